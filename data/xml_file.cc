@@ -91,9 +91,8 @@ void XmlFile::parse() {
   if (trimmed(content_).empty()) {
     throw InputError({path_}, {"is empty", "an XML document", "", "Was it written completely?"});
   }
-  const pugi::xml_parse_result result =
-      document_.load_buffer(content_.data(), content_.size(), pugi::parse_default,
-                            pugi::encoding_utf8);
+  const pugi::xml_parse_result result = document_.load_buffer(
+      content_.data(), content_.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result) {
     const auto offset = static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0));
     const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);
@@ -102,8 +101,8 @@ void XmlFile::parse() {
                       "Is the file complete, and is it an XML file?"});
   }
   if (!root()) {
-    throw InputError({path_}, {"has no XML element", "an OpenSimDocument", "",
-                               "Is it an XML file?"});
+    throw InputError({path_},
+                     {"has no XML element", "an OpenSimDocument", "", "Is it an XML file?"});
   }
   if (depth_of(root()) > kMaxDepth) {
     throw InputError({path_}, {"nests its elements too deeply",
@@ -114,8 +113,8 @@ void XmlFile::parse() {
 SourceLocation XmlFile::location(pugi::xml_node node) const {
   const std::ptrdiff_t offset = node.offset_debug();
   if (offset < 0) return {path_, 0};
-  const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(),
-                                     static_cast<std::size_t>(offset));
+  const auto line =
+      std::upper_bound(line_starts_.begin(), line_starts_.end(), static_cast<std::size_t>(offset));
   return {path_, static_cast<int>(line - line_starts_.begin())};
 }
 

@@ -11,18 +11,18 @@
 #include "model/scalar_function.h"
 #include "model/spatial.h"
 
-/// The model as plain values: what a model file says, in SI and radians. Bodies, joints, coordinates
-/// and so on refer to each other by index. Index 0 of `bodies` is ground, and every body stands
-/// after its parent, so that one loop over the bodies goes from the root outward.
+/// The model as plain values: what a model file says, in SI and radians. Bodies, joints,
+/// coordinates and so on refer to each other by index. Index 0 of `bodies` is ground, and every
+/// body stands after its parent, so that one loop over the bodies goes from the root outward.
 namespace sinew {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Body {
   std::string name;
-  double mass = 0.0;                                      // [kg]
-  Eigen::Vector3d p_BCm = Eigen::Vector3d::Zero();        // mass centre [m]
-  Eigen::Matrix3d I_BCm = Eigen::Matrix3d::Zero();        // about the mass centre, in B [kg m²]
+  double mass = 0.0;                                // [kg]
+  Eigen::Vector3d p_BCm = Eigen::Vector3d::Zero();  // mass centre [m]
+  Eigen::Matrix3d I_BCm = Eigen::Matrix3d::Zero();  // about the mass centre, in B [kg m²]
   SourceLocation source;
 };
 
@@ -37,8 +37,8 @@ struct Coordinate {
   double default_speed = 0.0;
   double range_min = -std::numeric_limits<double>::infinity();
   double range_max = std::numeric_limits<double>::infinity();
-  bool clamped = false;  // the range is a bound
-  bool locked = false;   // stays at default_value
+  bool clamped = false;                      // the range is a bound
+  bool locked = false;                       // stays at default_value
   std::optional<ScalarFunction> prescribed;  // of time [s]; set only where the file says it applies
   SourceLocation source;
 };
@@ -73,8 +73,8 @@ struct Joint {
   int child = 0;   // body index
   RigidTransform X_PF;
   RigidTransform X_BM;
-  std::vector<int> coordinates;          // indices, in the order of the joint's definition
-  std::array<TransformAxis, 6> axes;     // kCustom: rotation1..3, translation1..3
+  std::vector<int> coordinates;       // indices, in the order of the joint's definition
+  std::array<TransformAxis, 6> axes;  // kCustom: rotation1..3, translation1..3
   Eigen::Vector3d radii = Eigen::Vector3d::Zero();  // kEllipsoid [m]
   SourceLocation source;
 };
@@ -119,8 +119,8 @@ struct PathPoint {
   std::string name;
   Kind kind = Kind::kFixed;
   int body = 0;
-  Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();  // kFixed, kConditional [m]
-  int condition_coordinate = -1;                   // kConditional: on the path while the
+  Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();     // kFixed, kConditional [m]
+  int condition_coordinate = -1;                      // kConditional: on the path while the
   double condition_min = kNaN, condition_max = kNaN;  // coordinate is within these
   std::array<TransformAxis, 3> location;  // kMoving: x, y, z of the point; `axis` unused
 };
@@ -154,18 +154,18 @@ struct UnsupportedElement {
 
 struct MusculoskeletalModel {
   std::string name;
-  int document_version = 0;  // as OpenSim writes it, e.g. 40000
+  int document_version = 0;                     // as OpenSim writes it, e.g. 40000
   Eigen::Vector3d gravity{0.0, -9.80665, 0.0};  // [m/s²]
-  std::vector<Body> bodies;         // bodies[0] is ground
-  std::vector<Joint> joints;        // joints[b − 1] carries bodies[b]
-  std::vector<Coordinate> coordinates;  // by joint, each joint's own in order
+  std::vector<Body> bodies;                     // bodies[0] is ground
+  std::vector<Joint> joints;                    // joints[b − 1] carries bodies[b]
+  std::vector<Coordinate> coordinates;          // by joint, each joint's own in order
   std::vector<CoordinateCoupler> couplers;
   std::vector<WeldConstraint> welds;
   std::vector<PointConstraint> point_constraints;
   std::vector<Marker> markers;
   std::vector<PathElement> paths;
   std::vector<UnsupportedElement> unsupported;
-  std::vector<Warning> warnings;    // of reading it
+  std::vector<Warning> warnings;  // of reading it
 
   double total_mass() const;
   // Indices by name, or −1. Exact match.

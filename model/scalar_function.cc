@@ -15,8 +15,8 @@ namespace {
 void require_points(const char* kind, const std::vector<double>& x, const std::vector<double>& y,
                     std::size_t at_least) {
   if (x.size() != y.size()) {
-    throw std::invalid_argument(
-        fmt::format("{} has {} x and {} y values; expected as many of each", kind, x.size(), y.size()));
+    throw std::invalid_argument(fmt::format("{} has {} x and {} y values; expected as many of each",
+                                            kind, x.size(), y.size()));
   }
   if (x.size() < at_least) {
     throw std::invalid_argument(
@@ -24,12 +24,13 @@ void require_points(const char* kind, const std::vector<double>& x, const std::v
   }
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!std::isfinite(x[i]) || !std::isfinite(y[i])) {
-      throw std::invalid_argument(fmt::format("{} has a value that is not finite at point {}", kind,
-                                              i + 1));
+      throw std::invalid_argument(
+          fmt::format("{} has a value that is not finite at point {}", kind, i + 1));
     }
     if (i > 0 && x[i] <= x[i - 1]) {
-      throw std::invalid_argument(fmt::format(
-          "{} has x = {} after {} at point {}; expected x to increase", kind, x[i], x[i - 1], i + 1));
+      throw std::invalid_argument(
+          fmt::format("{} has x = {} after {} at point {}; expected x to increase", kind, x[i],
+                      x[i - 1], i + 1));
     }
   }
 }
@@ -86,8 +87,8 @@ CompiledFunction::CompiledFunction(const ScalarFunction& function) {
 
 void CompiledFunction::add_piece(double origin, const std::vector<double>& coefficients,
                                  double scale) {
-  pieces_.push_back({origin, static_cast<int>(coefficients_.size()),
-                     static_cast<int>(coefficients.size())});
+  pieces_.push_back(
+      {origin, static_cast<int>(coefficients_.size()), static_cast<int>(coefficients.size())});
   for (const double c : coefficients) coefficients_.push_back(scale * c);
 }
 
@@ -159,7 +160,8 @@ void CompiledFunction::compile(const GcvSpline& f, double scale) {
   std::vector<double> before = piece(0);
   before.resize(static_cast<std::size_t>(f.half_order));
   add_piece(f.x.front(), before, scale);
-  for (Eigen::Index i = 0; i + 1 < n; ++i) add_piece(f.x[static_cast<std::size_t>(i)], piece(i), scale);
+  for (Eigen::Index i = 0; i + 1 < n; ++i)
+    add_piece(f.x[static_cast<std::size_t>(i)], piece(i), scale);
   // Beyond the last point: Taylor coefficients of the last interval's polynomial at its right end.
   const std::vector<double> last = piece(n - 2);
   const double h = f.x.back() - f.x[f.x.size() - 2];

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <Simbody.h>
-
 #include <Eigen/Core>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "model/musculoskeletal_model.h"
+#include "model/simbody.h"
 
 namespace sinew {
 
@@ -48,6 +47,9 @@ class SimbodyModel {
   void get_q(const SimTK::State& state, std::span<double> q) const;
 
  private:
+  void add_constraints(const MusculoskeletalModel& model, const Options& options);
+  void index_coordinates(const MusculoskeletalModel& model);
+
   std::unique_ptr<SimTK::MultibodySystem> system_;
   std::unique_ptr<SimTK::SimbodyMatterSubsystem> matter_;
   std::unique_ptr<SimTK::GeneralForceSubsystem> forces_;

@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "model/osim_reader.h"
+
+namespace sinew::osim {
+namespace {
+
+constexpr std::array<const char*, 6> kOldInertia = {"inertia_xx", "inertia_yy", "inertia_zz",
+                                                    "inertia_xy", "inertia_xz", "inertia_yz"};
+
+std::array<double, 6> read_inertia_components(const XmlFile& xml, pugi::xml_node node) {
+  std::array<double, 6> components{};
+  if (const pugi::xml_node current = node.child("inertia")) {
+    const std::vector<double> values = xml.numbers(current);
+    if (values.size() != 6) {
+      xml.fail(current,
+               {fmt::format("<inertia> of body '{}' has the wrong number of values", name_of(node)),
+                "6 (xx yy zz xy xz yz)", std::to_string(values.size()), ""});
+    }
+    std::copy(values.begin(), values.end(), components.begin());
+    return components;
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    components[i] = xml.number(node, kOldInertia[i]).value_or(0.0);
+  }
+  return components;
+}
+
+// Real inertias obey the triangle inequalities; rounding in files breaks them by little.
+bool is_physical(const Eigen::Matrix3d& I) {
+  const Eigen::Vector3d m = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I).eigenvalues();
+  const double slack = 1e-8 * std::max(1.0, m.sum());  // Simbody's own slack is of this order
+  return m[0] >= -slack && m[0] + m[1] >= m[2] - slack;
+}
+
+Eigen::Matrix3d read_inertia(Reader& reader, pugi::xml_node node, double mass) {
+  const std::array<double, 6> c = read_inertia_components(reader.xml, node);
+  Eigen::Matrix3d I;
+  I << c[0], c[3], c[4], c[3], c[1], c[5], c[4], c[5], c[2];
+  if (!I.allFinite()) {
+    reader.xml.fail(node, {fmt::format("the inertia of body '{}' is not finite", name_of(node)),
+                           "six numbers", "", ""});
+  }
+  if (mass == 0.0) {
+    if (I.norm() > 0.0) {
+      reader.warn(node,
+                  fmt::format("body '{}' has inertia but no mass; its inertia is taken as zero",
+                              name_of(node)));
+    }
+    return Eigen::Matrix3d::Zero();
+  }
+  if (!is_physical(I)) {
+    // As OpenSim repairs it, so that published results on such models can be met.
+    const double diagonal = Eigen::Vector3d(c[0], c[1], c[2]).norm() / std::sqrt(3.0);
+    reader.warn(node, fmt::format("the inertia of body '{}' ({} {} {} {} {} {}) belongs to no real "
+                                  "body; {} about every axis is used instead",
+                                  name_of(node), c[0], c[1], c[2], c[3], c[4], c[5], diagonal));
+    return diagonal * Eigen::Matrix3d::Identity();
+  }
+  return I;
+}
+
+Body read_body(Reader& reader, pugi::xml_node node) {
+  Body body;
+  body.name = name_of(node);
+  body.source = reader.xml.location(node);
+  body.mass = reader.xml.number(node, "mass").value_or(0.0);
+  if (!(body.mass >= 0.0) || !std::isfinite(body.mass)) {
+    reader.xml.fail(node.child("mass"),
+                    {fmt::format("the mass of body '{}' is unusable", body.name),
+                     "0 or more kilograms", fmt::format("{}", body.mass), ""});
+  }
+  body.p_BCm = reader.xml.vector3(node, "mass_center").value_or(Eigen::Vector3d::Zero());
+  body.I_BCm = read_inertia(reader, node, body.mass);
+  return body;
+}
+
+}  // namespace
+
+void read_bodies(Reader& reader) {
+  Body ground;
+  ground.name = "ground";
+  reader.model.bodies.push_back(ground);
+  reader.frames.add_body("ground", 0);
+  std::set<std::string> names = {"ground"};
+  for (const pugi::xml_node node : set_members(reader.model_node, "BodySet")) {
+    if (name_of(node) == "ground") {
+      reader.frames.add_frames("ground", node);
+      continue;
+    }
+    if (std::string_view(node.name()) != "Body") {
+      reader.xml.fail(node, {fmt::format("<{}> in the BodySet is not supported", node.name()),
+                             "<Body>", node.name(), "Replace it by a plain Body."});
+    }
+    const Body body = read_body(reader, node);
+    if (body.name.empty()) {
+      reader.xml.fail(node, {"a body has no name", "a name attribute", "", "Name the body."});
+    }
+    if (!names.insert(body.name).second) {
+      reader.xml.fail(node, {fmt::format("two bodies are called '{}'", body.name), "unique names",
+                             "", "Rename one of them."});
+    }
+    reader.frames.add_body(body.name, static_cast<int>(reader.model.bodies.size()));
+    reader.frames.add_frames(body.name, node);
+    reader.model.bodies.push_back(body);
+  }
+  if (const pugi::xml_node ground_node = reader.model_node.child("Ground")) {
+    reader.frames.add_frames("ground", ground_node);
+  }
+  reader.frames.add_frames("", reader.model_node);
+}
+
+}  // namespace sinew::osim
