@@ -200,6 +200,9 @@ void joint_torques(const KinematicTree& tree, KinematicWorkspace& ws) {
     ws.f[parent].head<3>() += f.head<3>() + r.cross(f.tail<3>());
     ws.f[parent].tail<3>() += f.tail<3>();
   }
+}
+
+void fold_couplings(const KinematicTree& tree, KinematicWorkspace& ws) {
   for (std::size_t i = tree.couplings.size(); i-- > 0;) {
     const KinematicTree::Coupling& c = tree.couplings[i];
     ws.g[static_cast<std::size_t>(c.independent_v)] +=
@@ -240,31 +243,6 @@ void advance(const KinematicTree& tree, std::span<const double> q, std::span<con
     turn_quaternion(q.data() + link.first_q, {w[0], w[1], w[2]}, q_out.data() + link.first_q);
   }
 }
-
-namespace {
-
-// Calls use(x, S, scale) for every unknown that moves `link`: scale is 1 for a coordinate of an
-// ancestor's joint, or the product of slopes for one that a coupler drives.
-template <typename Use>
-void for_each_mover(const KinematicTree& tree, const KinematicWorkspace& ws, int link,
-                    const Use& use) {
-  for (int b = link; b > 0; b = tree.links[static_cast<std::size_t>(b)].parent) {
-    const Link& ancestor = tree.links[static_cast<std::size_t>(b)];
-    for (int v = ancestor.first_v; v < ancestor.first_v + ancestor.v_count; ++v) {
-      int source = v;
-      double scale = 1.0;
-      for (std::size_t i = tree.couplings.size(); i-- > 0;) {
-        if (tree.couplings[i].dependent_v != source) continue;
-        scale *= ws.coupling_slope[i];
-        source = tree.couplings[i].independent_v;
-      }
-      const int x = tree.unknown_of_v[static_cast<std::size_t>(source)];
-      if (x >= 0) use(x, b, ws.S[static_cast<std::size_t>(v)], scale);
-    }
-  }
-}
-
-}  // namespace
 
 void station_jacobian(const KinematicTree& tree, const KinematicWorkspace& ws, int link,
                       const Eigen::Vector3d& p_BQ, Eigen::Ref<Eigen::Matrix3Xd> J) {

@@ -70,6 +70,7 @@ struct KinematicTree {
   std::vector<Step> steps;
   std::vector<CompiledFunction> functions;
   std::vector<Coupling> couplings;  // sources before their dependents
+  std::vector<int> coupling_of_v;   // index of the coupling that sets v, or −1
   std::vector<Prescribed> prescribed;
   std::vector<int> q_of_coordinate;  // per coordinate of the description
   std::vector<int> v_of_coordinate;
@@ -117,15 +118,40 @@ void update_kinematics(const KinematicTree& tree, KinematicWorkspace& workspace)
 void update_poses(const KinematicTree& tree, KinematicWorkspace& workspace);
 
 /// The inward half of recursive Newton-Euler, eqs. (27)(28) of Ayusawa & Nakamura 2012:
-/// f_j = F_j + Σ_children X f_c, g = Sᵀ f, then the chain rule through couplings, so that
-/// g[v] of an independent coordinate includes what its dependents carry. Entries of dependent v are
-/// left as their own torque. Needs update_kinematics() first. O(links).
+/// f_j = F_j + Σ_children X f_c, g = Sᵀ f, for every v by itself. Needs update_kinematics().
+/// O(links).
 void joint_torques(const KinematicTree& tree, KinematicWorkspace& workspace);
+
+/// Chain rule through the couplings: g of an independent coordinate takes on what its dependents
+/// carry. Entries of dependent v keep their own torque.
+void fold_couplings(const KinematicTree& tree, KinematicWorkspace& workspace);
 
 /// q ⊞ step: advances the unknowns by `step` (x), clipping bounded ones, and writes q_out.
 /// Dependent entries are stale until the next update.
 void advance(const KinematicTree& tree, std::span<const double> q, std::span<const double> step,
              std::span<double> q_out);
+
+/// Calls use(x, b, S, scale) for every unknown x that moves `link`: S is the column of one of the
+/// joints on the way to the root, b that joint's link, and scale the slope of the couplings in
+/// between (1 for the joint's own coordinate). An x can come up more than once.
+template <typename Use>
+void for_each_mover(const KinematicTree& tree, const KinematicWorkspace& workspace, int link,
+                    const Use& use) {
+  for (int b = link; b > 0; b = tree.links[static_cast<std::size_t>(b)].parent) {
+    const KinematicTree::Link& ancestor = tree.links[static_cast<std::size_t>(b)];
+    for (int v = ancestor.first_v; v < ancestor.first_v + ancestor.v_count; ++v) {
+      int source = v;
+      double scale = 1.0;
+      for (int c = tree.coupling_of_v[static_cast<std::size_t>(v)]; c >= 0;
+           c = tree.coupling_of_v[static_cast<std::size_t>(source)]) {
+        scale *= workspace.coupling_slope[static_cast<std::size_t>(c)];
+        source = tree.couplings[static_cast<std::size_t>(c)].independent_v;
+      }
+      const int x = tree.unknown_of_v[static_cast<std::size_t>(source)];
+      if (x >= 0) use(x, b, workspace.S[static_cast<std::size_t>(v)], scale);
+    }
+  }
+}
 
 /// Jacobian of the world position of point p_BQ of a link with respect to x, eq. (13)'s J_Bp, built
 /// column by column over the link's ancestors. J: 3 × unknowns, overwritten.

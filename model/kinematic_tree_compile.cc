@@ -175,6 +175,7 @@ class Compiler {
     for (const CoordinateCoupler& c : model_.couplers) {
       pending[static_cast<std::size_t>(c.dependent)] = true;
     }
+    tree_.coupling_of_v.assign(static_cast<std::size_t>(tree_.v_count()), -1);
     for (std::size_t placed = 0; placed < model_.couplers.size();) {
       for (const CoordinateCoupler& c : model_.couplers) {
         const auto from = static_cast<std::size_t>(c.independent);
@@ -190,6 +191,8 @@ class Compiler {
                            c.name),
                "coordinates with a value of their own", "", "Use angles for this model."});
         }
+        tree_.coupling_of_v[static_cast<std::size_t>(tree_.v_of_coordinate[to])] =
+            static_cast<int>(tree_.couplings.size());
         tree_.couplings.push_back({tree_.q_of_coordinate[to], tree_.v_of_coordinate[to],
                                    tree_.q_of_coordinate[from], tree_.v_of_coordinate[from],
                                    add_function(c.function)});

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "model/kinematic_tree.h"
+
+/// What inverse kinematics makes small. Residual kinds (a), (b), (c) and the cost are those of
+/// Ayusawa & Nakamura 2012; coordinate targets and the residuals of cut loops are ours.
+namespace sinew {
+
+/// (a) Δp = p^d − p(q), eq. (1): a point of a link, such as a marker.
+struct PositionResidual {
+  int link = 0;
+  Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();        // [m]
+  Eigen::Matrix3d weight = Eigen::Matrix3d::Identity();  // Σ_P, symmetric ≥ 0 [1/m²]
+};
+
+/// (b) Δγ = log(R^d Rᵀ), eqs. (2)(4): the orientation of frame F on a link.
+struct OrientationResidual {
+  int link = 0;
+  Eigen::Matrix3d R_BF = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d weight = Eigen::Matrix3d::Identity();  // Σ_L, symmetric ≥ 0 [1/rad²]
+};
+
+/// (c) Δl = l^d − l(q), eq. (3): the distance of two points. One-sided: a wire, which pulls when it
+/// would be longer than l^d and is slack otherwise, eq. (38).
+struct DistanceResidual {
+  int link_a = 0, link_b = 0;
+  Eigen::Vector3d p_AP = Eigen::Vector3d::Zero(), p_BQ = Eigen::Vector3d::Zero();  // [m]
+  double weight = 1.0;  // σ_D, or ρσ_D of a wire [1/m²]
+  bool one_sided = false;
+};
+
+/// A coordinate near a value, as OpenSim's IKCoordinateTask.
+struct CoordinateResidual {
+  int q = 0, v = 0;
+  double weight = 1.0;  // [1/rad² or 1/m²]
+};
+
+/// Two points that a cut loop keeps together.
+struct CoincidenceResidual {
+  int link_a = 0, link_b = 0;
+  Eigen::Vector3d p_AP = Eigen::Vector3d::Zero(), p_BQ = Eigen::Vector3d::Zero();  // [m]
+  double weight = 1.0;                                                             // [1/m²]
+};
+
+/// Two frames that a cut loop keeps parallel.
+struct AlignmentResidual {
+  int link_a = 0, link_b = 0;
+  Eigen::Matrix3d R_AF = Eigen::Matrix3d::Identity(), R_BG = Eigen::Matrix3d::Identity();
+  double weight = 1.0;  // [1/rad²]
+};
+
+/// All residuals of a model and recording; constant over the frames.
+struct IkProblem {
+  std::vector<PositionResidual> positions;
+  std::vector<OrientationResidual> orientations;
+  std::vector<DistanceResidual> distances;
+  std::vector<CoordinateResidual> coordinates;
+  std::vector<CoincidenceResidual> coincidences;
+  std::vector<AlignmentResidual> alignments;
+};
+
+/// What one frame asks for; sizes as IkProblem's. NaN: not measured, the residual drops out.
+struct IkTargets {
+  std::vector<Eigen::Vector3d> positions;     // p_WP^d [m]
+  std::vector<Eigen::Matrix3d> orientations;  // R_WF^d
+  std::vector<double> distances;              // l^d [m]
+  std::vector<double> coordinates;            // [rad or m]
+
+  /// Sized for `problem`, everything missing.
+  explicit IkTargets(const IkProblem& problem);
+};
+
+/// Rotation vector φn of a rotation matrix, φ in [0, π], by way of the quaternion, which keeps it
+/// exact near φ = 0 and continuous near φ = π where eqs. (5)(6) lose n.
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R);
+
+/// K_γ of eqs. (14)(16): Δγ̇ = −K_γ ω for a link turning at ω [world]. By finite differences the
+/// linear term is +(φ/2)[n×] in our convention ΔR = R^d Rᵀ.
+Eigen::Matrix3d rotation_vector_rate(const Eigen::Vector3d& gamma);
+
+/// f(q) = ½ Σ Δpᵀ Σ_P Δp + ½ Σ Δγᵀ Σ_L Δγ + ½ Σ σ_D Δl² + …, eqs. (11)(38). Needs poses.
+double cost(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
+            const KinematicWorkspace& workspace);
+
+/// DGC: the cost and its gradient g with respect to the unknowns by eqs. (19)-(28), in
+/// O(links + residuals): every residual is an elastic force on its link, and the joint torques that
+/// hold them are the gradient. Needs update_kinematics(). g: unknowns.
+double decomposed_gradient(const KinematicTree& tree, const IkProblem& problem,
+                           const IkTargets& targets, KinematicWorkspace& workspace,
+                           Eigen::Ref<Eigen::VectorXd> g);
+
+/// The baseline: the same by explicit Jacobians, eqs. (12)-(16), each over the ancestors of its
+/// link only; O(residuals × depth). `J`: scratch of 3 × unknowns.
+double jacobian_gradient(const KinematicTree& tree, const IkProblem& problem,
+                         const IkTargets& targets, const KinematicWorkspace& workspace,
+                         Eigen::Matrix3Xd& J, Eigen::Ref<Eigen::VectorXd> g);
+
+/// Throws std::invalid_argument, naming the residual, for links out of range, weights that are not
+/// finite, not symmetric or negative, and sizes of targets that differ from the problem's.
+void validate(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets);
+
+}  // namespace sinew
