@@ -96,7 +96,8 @@ void replace(const fs::path& target, std::string_view content) {
 void write_file_atomically(const fs::path& path, std::string_view content) {
   std::error_code error;
   const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-  if (path.empty() || error) fail(path, "cannot resolve the output's path", EINVAL);
+  if (path.empty()) error = std::make_error_code(std::errc::invalid_argument);
+  if (error) fail(path, "cannot resolve the output's path", error.value());
   const fs::file_status status = fs::status(target, error);
   if (fs::is_directory(status)) fail(path, "the output's path is a folder", EISDIR);
   if (fs::exists(status) && !fs::is_regular_file(status)) return write_in_place(target, content);

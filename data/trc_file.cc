@@ -296,9 +296,10 @@ class RowParser {
         cells_.size() >= kLeadingCells && (cells_.size() - kLeadingCells) % 3 == 0;
     if (tabs && cells_.size() < width_ && whole_markers && line.terminated) {
       short_rows_.add(line.number);
-      // Else a few short rows under a huge header would ask for more memory than the file's size.
+      // Half of what is kept may be padding, else short rows under a huge header would ask for more
+      // memory than the file's size warrants.
       padding_ += width_ - cells_.size();
-      if (padding_ <= p_WM_.size() + kFreePadding) return cells_.resize(width_);
+      if (padding_ <= p_WM_.size() / 2 + kFreePadding) return cells_.resize(width_);
     }
     fail_row(line);
   }
@@ -512,6 +513,8 @@ void write_trc(const std::filesystem::path& path, const MarkerTrajectories& mark
       out += '\t';
       if (!std::isnan(coordinate)) out += text::format_number(coordinate, 3);
     }
+    // OpenSim counts a blank cell at the end of a row only if a tab follows it.
+    if (out.back() == '\t') out += '\t';
     out += '\n';
   }
   write_file_atomically(path, out);
