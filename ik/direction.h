@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ik/residuals.h"
+#include "model/kinematic_tree.h"
+
+namespace sinew {
+
+/// Where a minimization stands; what directions are made from. Vectors have an entry for every
+/// unknown. Entries held by a bound are zero in g, s and y.
+struct Iterate {
+  const KinematicTree& tree;
+  const IkProblem& problem;
+  const IkTargets* targets;       // of this frame
+  KinematicWorkspace& workspace;  // kinematics of this iterate, with the wrenches of its gradient
+  int iteration = 0;
+  double f = 0.0;
+  Eigen::VectorXd g;           // gradient
+  Eigen::VectorXd s, y;        // last step and the gradient's change over it; iteration > 0
+  Eigen::VectorXd previous_d;  // last direction; iteration > 0
+  std::vector<char> held;      // 1: at a bound that g pushes against
+};
+
+/// The one choice that tells methods apart: where to go from an iterate, eq. (17)'s d_k.
+class Direction {
+ public:
+  virtual ~Direction() = default;
+
+  /// Forgets everything; called before the first iterate of a frame.
+  virtual void start() = 0;
+
+  /// Writes d for the iterate; entries that are held must come out zero. Returns false if the
+  /// method has nothing better than −g to offer here.
+  virtual bool compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) = 0;
+
+  /// The length to try first along d: 1 for methods that scale their step themselves; the
+  /// others continue from the last accepted length.
+  virtual bool scales_its_step() const = 0;
+
+  /// The cost's decrease that the method's own model expects of the whole step d; NaN without one.
+  virtual double expected_decrease() const { return kNaN; }
+
+  /// Tells how the last direction fared: the accepted length (0: none was) and the decrease.
+  virtual void learn(double /*accepted_length*/, double /*actual_decrease*/) {}
+};
+
+}  // namespace sinew
