@@ -1,0 +1,114 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "data/marker_trajectories.h"
+#include "data/time_table.h"
+#include "data/tool_setup.h"
+#include "ik/minimizer.h"
+#include "ik/residuals.h"
+#include "model/kinematic_tree.h"
+#include "model/musculoskeletal_model.h"
+
+namespace sinew {
+
+/// A marker that is tracked: its column in the recording and its place in the model.
+struct TrackedMarker {
+  std::string name;
+  int recorded = -1;  // index into MarkerTrajectories::names
+  int model = -1;     // index into MusculoskeletalModel::markers
+  double weight = 1.0;
+};
+
+/// A coordinate that is pulled towards values.
+struct TrackedCoordinate {
+  int coordinate = -1;
+  double weight = 1.0;
+  double value = 0.0;          // [rad or m], where `values` is empty
+  std::vector<double> values;  // one a frame of the recording
+};
+
+/// Model, recording and tasks bound together: which residuals there are and what each frame asks.
+struct TrackingProblem {
+  IkProblem problem;
+  std::vector<TrackedMarker> markers;          // problem.positions in order
+  std::vector<TrackedCoordinate> coordinates;  // problem.coordinates in order
+  std::vector<Warning> warnings;               // unmatched markers, tasks without effect, …
+};
+
+struct BindingOptions {
+  // Weight of welds and point constraints that close loops [1/m², 1/rad²]: 1e6 times a marker's,
+  // which keeps loops closed to a thousandth of the marker error at most.
+  double loop_weight = 1e6;
+};
+
+/// Without tasks every marker that model and recording share has weight 1. With tasks, as in
+/// OpenSim, only markers that a task names are tracked. Coordinate tasks take their value from the
+/// task, from the model's default, or from `coordinate_values` (frames × coordinates of the model,
+/// NaN where there is none). Throws InputError if no marker is left to track, or if a task takes
+/// its values from a file and there is none.
+TrackingProblem bind_recording(const MusculoskeletalModel& model, const KinematicTree& tree,
+                               const MarkerFile& recording, const IkTaskSet* tasks,
+                               const RowMatrix* coordinate_values,
+                               const BindingOptions& options = {});
+
+/// Writes what frame `frame` asks for.
+void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& markers, int frame,
+                 IkTargets& targets);
+
+struct TrackingOptions {
+  MinimizerOptions minimizer;
+  int first_frame = 0, end_frame = -1;  // [first, end); −1: to the last
+  int threads = 0;                      // 0: all cores
+  /// Called from time to time with the number of frames done; return false to stop early.
+  std::function<bool(int done, int total)> progress;
+
+  void validate() const;
+};
+
+struct FrameResult {
+  Termination termination = Termination::kNone;
+  int iterations = -1, evaluations = -1;
+  double cost = kNaN;
+  double marker_rms = kNaN;  // over the markers measured in this frame [m]
+  double marker_max = kNaN;  // [m]
+  int worst_marker = -1;     // index into TrackingProblem::markers
+  int measured_markers = 0;
+};
+
+struct TrackingResult {
+  Eigen::VectorXd time;     // frames [s]
+  RowMatrix coordinates;    // frames × coordinates of the model [rad or m]
+  RowMatrix marker_errors;  // frames × tracked markers [m], NaN where not measured
+  std::vector<FrameResult> frames;
+  double seconds = kNaN;  // wall time of solving
+  bool stopped = false;   // `progress` asked to stop; results are not complete
+};
+
+/// Solves every frame, each started from the solution before it. The recording is cut into pieces
+/// of fixed length; their first frames are solved one after the other, the pieces in parallel, and
+/// a piece whose start turns out worse than what the piece before it leads to is solved again from
+/// there. So the results depend on the recording only, never on the number of threads.
+TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tree,
+                     const TrackingProblem& tracking, const MarkerTrajectories& markers,
+                     const TrackingOptions& options);
+
+/// Errors of the tracked markers at given coordinates, by the same rules as track(): what compares
+/// another program's solution with ours. coordinates: frames × coordinates of the model.
+TrackingResult evaluate_coordinates(const MusculoskeletalModel& model, const KinematicTree& tree,
+                                    const TrackingProblem& tracking,
+                                    const MarkerTrajectories& markers, int first_frame,
+                                    const RowMatrix& coordinates);
+
+/// Coordinates that the tracked markers and tasks leave undetermined at a pose: unknowns in the
+/// null space of JᵀΣJ, i.e. those whose entry in an eigenvector with eigenvalue below 1e-10 times
+/// the largest exceeds 1e-3. Returns indices of coordinates of the model, dependent ones included.
+std::vector<int> undetermined_coordinates(const MusculoskeletalModel& model,
+                                          const KinematicTree& tree,
+                                          const TrackingProblem& tracking, const IkTargets& targets,
+                                          std::span<const double> q);
+
+}  // namespace sinew
