@@ -47,7 +47,7 @@ class Compiler {
     for (std::size_t i = 0; i < 6; ++i) {
       const TransformAxis& axis = joint.axes[i];
       KinematicTree::Step step;
-      step.axis = i < 3 ? Eigen::Vector3d(axis.axis.normalized()) : axis.axis;
+      step.axis = axis.axis.normalized();
       const CompiledFunction function(axis.function);
       if (axis.coordinate < 0 || function.is_constant()) {
         step.constant = function.value(0.0);
@@ -139,7 +139,8 @@ class Compiler {
     Eigen::VectorXd defaults(joint.coordinates.size());
     for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
       const Coordinate& c = model_.coordinates[static_cast<std::size_t>(joint.coordinates[i])];
-      if (c.locked || c.clamped || c.prescribed) {
+      const bool held = c.clamped || (!options_.ignore_locks && (c.locked || c.prescribed));
+      if (i < 3 && held) {
         throw InputError(c.source,
                          {fmt::format("coordinate '{}' is locked, clamped or prescribed, but its "
                                       "joint is to step as a quaternion",

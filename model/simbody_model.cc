@@ -69,7 +69,7 @@ RigidTransform constant_pose(const Joint& joint) {
     if (i < 3) {
       X.R = X.R * Eigen::AngleAxisd(value, step.axis.normalized()).toRotationMatrix();
     } else {
-      X.p += value * step.axis;
+      X.p += value * step.axis.normalized();
     }
   }
   return X;
@@ -82,16 +82,14 @@ SimTK::MobilizedBody function_based(SimTK::MobilizedBody& parent, const SimTK::B
   SimTK::Array_<SimTK::Vec3> axes;
   for (std::size_t i = 0; i < 6; ++i) {
     const TransformAxis& step = joint.axes[i];
-    SimTK::Array_<int> argument;
+    // Simbody's velocity Jacobian takes a turn without an argument for zero, so a constant becomes
+    // a function of the first coordinate too.
     ScalarFunction function = step.function;
-    if (step.coordinate >= 0) {
-      argument.push_back(step.coordinate - joint.coordinates.front());
-      functions.push_back(new SimbodyFunction(function));
-    } else {
-      functions.push_back(new SimTK::Function::Constant(CompiledFunction(function).value(0.0), 0));
-    }
-    arguments.push_back(argument);
-    axes.push_back(to_simtk(i < 3 ? Eigen::Vector3d(step.axis.normalized()) : step.axis));
+    if (step.coordinate < 0) function = {ConstantFunction{CompiledFunction(function).value(0.0)}};
+    functions.push_back(new SimbodyFunction(function));
+    const int argument = step.coordinate < 0 ? 0 : step.coordinate - joint.coordinates.front();
+    arguments.push_back(SimTK::Array_<int>(1, argument));
+    axes.push_back(to_simtk(step.axis));  // Simbody takes its direction only
   }
   return SimTK::MobilizedBody::FunctionBased(
       parent, to_simtk(joint.X_PF), body, to_simtk(joint.X_BM),
