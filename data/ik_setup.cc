@@ -30,6 +30,23 @@ IkTask::ValueType parse_value_type(const XmlFile& xml, pugi::xml_node task) {
             "default_value, manual_value or from_file", word, "Correct the value."});
 }
 
+double parse_weight(const XmlFile& xml, pugi::xml_node node, const IkTask& task,
+                    std::vector<Warning>& warnings) {
+  const std::optional<double> weight = xml.number(node, "weight");
+  const double value = weight.value_or(0.0);
+  if (!(value >= 0.0) || std::isinf(value)) {
+    xml.fail(node.child("weight"),
+             {fmt::format("<weight> of task '{}' is no weight", task.name),
+              "a finite number, 0 or more", xml.text(node, "weight"), "Correct the value."});
+  }
+  if (!weight && task.apply) {
+    warnings.push_back(
+        {xml.location(node),
+         fmt::format("task '{}' has no weight; it gets OpenSim's default, 0", task.name)});
+  }
+  return value;
+}
+
 IkTask parse_task(const XmlFile& xml, pugi::xml_node node, std::vector<Warning>& warnings) {
   IkTask task;
   task.line = xml.location(node).line;
@@ -45,18 +62,7 @@ IkTask parse_task(const XmlFile& xml, pugi::xml_node node, std::vector<Warning>&
                     "Name the marker or the coordinate."});
   }
   task.apply = xml.boolean(node, "apply").value_or(true);
-  const std::optional<double> weight = xml.number(node, "weight");
-  task.weight = weight.value_or(0.0);
-  if (!(task.weight >= 0.0) || std::isinf(task.weight)) {
-    xml.fail(node.child("weight"),
-             {fmt::format("<weight> of task '{}' is no weight", task.name),
-              "a finite number, 0 or more", xml.text(node, "weight"), "Correct the value."});
-  }
-  if (!weight && task.apply) {
-    warnings.push_back(
-        {xml.location(node),
-         fmt::format("task '{}' has no weight; it gets OpenSim's default, 0", task.name)});
-  }
+  task.weight = parse_weight(xml, node, task, warnings);
   if (task.kind == IkTask::Kind::kMarker) return task;
   task.value_type = parse_value_type(xml, node);
   task.value = xml.number(node, "value").value_or(0.0);

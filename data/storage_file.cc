@@ -3,212 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 #include <utility>
 
-#include "data/input_file.h"
 #include "data/output_file.h"
+#include "data/storage_header.h"
 #include "data/text.h"
 
 namespace sinew {
 namespace {
 
+using storage::Columns;
+using storage::Header;
+using storage::Promise;
 using text::Line;
 using text::LineReader;
 using Cells = std::vector<std::string_view>;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// A count that the header promises, and where.
-struct Promise {
-  std::string key;
-  long long count = 0;
-  int line = 0;
-};
-
-struct Header {
-  std::string name;
-  std::optional<Promise> rows, columns;
-  std::optional<bool> in_degrees;
-  bool angles_in_degrees = false;  // the sentence, which counts only in files without `version`
-  bool has_version = false;
-  std::string data_type = "double";
-  int data_type_line = 0;
-  std::map<std::string, std::string> other;
-};
-
-// One header line `key=value` or, as SIMM writes it, `key value`.
-struct HeaderLine {
-  std::string_view whole, key, value;
-  std::string word;  // the key in lower case
-  bool has_equals = false;
-  int number = 0;
-};
-
 [[noreturn]] void fail(const std::string& path, int line, InputError::Parts parts) {
   throw InputError({path, line}, std::move(parts));
-}
-
-HeaderLine parse_header_line(const Line& line) {
-  HeaderLine result;
-  result.number = line.number;
-  result.whole = text::trim(line.text);
-  const std::size_t end = std::min(result.whole.find_first_of(" \t="), result.whole.size());
-  result.key = result.whole.substr(0, end);
-  result.word = text::lower(result.key);
-  result.has_equals = end < result.whole.size() && result.whole[end] == '=';
-  const std::size_t value = result.whole.find_first_not_of(" \t=", end);
-  if (value != result.whole.npos) result.value = result.whole.substr(value);
-  return result;
-}
-
-bool is_row_count(const std::string& word) {
-  return word == "nrows" || word == "nr" || word == "datarows";
-}
-bool is_column_count(const std::string& word) {
-  return word == "ncolumns" || word == "nc" || word == "datacolumns";
-}
-// Keys whose meaning the other fields of a TimeTable carry, or that follow from the data.
-bool is_structural(const std::string& word) {
-  static constexpr std::array kWords = {"name",      "version",   "indegrees", "datatype",
-                                        "endheader", "otherdata", "range"};
-  return is_row_count(word) || is_column_count(word) ||
-         std::find(kWords.begin(), kWords.end(), word) != kWords.end();
-}
-
-std::optional<Promise> parse_promise(const std::string& path, const HeaderLine& line) {
-  const std::optional<long long> count = text::parse_integer(line.value);
-  if (!count || *count < 0) {
-    fail(path, line.number,
-         {fmt::format("the header's {} is no count", line.key), "a whole number, 0 or more",
-          std::string(line.value), "Correct it; the rows of the file itself decide."});
-  }
-  return Promise{std::string(line.key), *count, line.number};
-}
-
-bool parse_in_degrees(const std::string& path, const HeaderLine& line) {
-  const std::string word = text::lower(line.value);
-  for (const char* yes : {"yes", "y", "true", "1"}) {
-    if (word == yes) return true;
-  }
-  for (const char* no : {"no", "n", "false", "0"}) {
-    if (word == no) return false;
-  }
-  fail(path, line.number,
-       {"the header's inDegrees is neither yes nor no", "yes or no", std::string(line.value),
-        "Write inDegrees=yes if angles are in degrees, inDegrees=no for radians."});
-}
-
-void apply_header_line(const std::string& path, const HeaderLine& line, bool first,
-                       Header& header) {
-  if (is_row_count(line.word)) {
-    header.rows = parse_promise(path, line);
-  } else if (is_column_count(line.word)) {
-    header.columns = parse_promise(path, line);
-  } else if (line.word == "indegrees") {
-    header.in_degrees = parse_in_degrees(path, line);
-  } else if (line.word == "version") {
-    header.has_version = true;
-  } else if (line.word == "datatype") {
-    header.data_type = line.value;
-    header.data_type_line = line.number;
-  } else if (line.word == "name") {
-    if (first) header.name = line.value;
-  } else if (line.whole == "Angles are in degrees.") {
-    header.angles_in_degrees = true;
-  } else if (line.has_equals && !is_structural(line.word)) {
-    header.other[std::string(line.key)] = line.value;
-  } else if (first && !is_structural(line.word)) {
-    header.name = line.whole;
-  }
-}
-
-Header parse_header(const std::string& path, LineReader& lines) {
-  Header header;
-  bool first = true;
-  int count = 0;
-  for (std::optional<Line> next = lines.next(); next; next = lines.next()) {
-    count = next->number;
-    const HeaderLine line = parse_header_line(*next);
-    if (line.whole.empty()) continue;
-    if (line.word == "endheader") return header;
-    apply_header_line(path, line, first, header);
-    first = false;
-  }
-  fail(path, 0,
-       {"the header has no end", "a line 'endheader'", fmt::format("none in {} lines", count),
-        "Is it a MOT or STO file, and is it complete?"});
-}
-
-// How many numbers one cell holds, and how their columns are told apart: as OpenSim flattens them.
-std::vector<std::string> element_suffixes(const std::string& path, const Header& header) {
-  const std::string type = text::lower(header.data_type);
-  if (type == "double" || type == "float" || type.empty()) return {""};
-  if (type == "vec3" || type == "unitvec3") return {"_x", "_y", "_z"};
-  if (type == "spatialvec") return {"_rx", "_ry", "_rz", "_tx", "_ty", "_tz"};
-  std::optional<long long> size;
-  if (type == "quaternion") size = 4;
-  if (type.starts_with("vec")) size = text::parse_integer(std::string_view(type).substr(3));
-  if (!size || *size < 2 || *size > 12) {
-    fail(path, header.data_type_line,
-         {"the header's DataType is not known",
-          "double, Vec2 to Vec12, UnitVec3, Quaternion or SpatialVec", header.data_type,
-          "Export the table as plain numbers."});
-  }
-  std::vector<std::string> suffixes;
-  for (long long i = 1; i <= *size; ++i) suffixes.push_back(fmt::format("_{}", i));
-  return suffixes;
-}
-
-// Labels may hold spaces where tabs separate them; old files separate them by either. The count in
-// the header, then the first row of data decide.
-Cells split_labels(const Line& line, const std::optional<Promise>& promise, LineReader lines) {
-  Cells words, cells, row;
-  text::split_words(line.text, words);
-  text::split_tabs(line.text, cells);
-  std::erase(cells, std::string_view{});
-  if (words.size() == cells.size() || cells.size() < 2) return words;
-  const auto promised = promise ? static_cast<std::size_t>(promise->count) : 0;
-  if (promised == words.size()) return words;
-  if (promised == cells.size()) return cells;
-  if (const std::optional<Line> first = lines.next_filled()) text::split_words(first->text, row);
-  return row.size() == words.size() ? words : cells;
-}
-
-struct Columns {
-  std::vector<std::string> labels;  // one a cell, `time` included
-  std::size_t time = 0;
-  int line = 0;
-};
-
-Columns parse_columns(const std::string& path, const Header& header, LineReader& lines) {
-  const std::optional<Line> line = lines.next_filled();
-  if (!line) {
-    fail(path, 0,
-         {"has no column labels", "a line of labels after 'endheader'", "the end of the file",
-          "Was the file written completely?"});
-  }
-  const Cells cells = split_labels(*line, header.columns, lines);
-  Columns columns{{cells.begin(), cells.end()}, cells.size(), line->number};
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!text::equals_ignoring_case(cells[i], "time")) continue;
-    if (columns.time < cells.size()) {
-      fail(path, line->number,
-           {"two columns are called time", "one",
-            fmt::format("columns {} and {}", columns.time + 1, i + 1), "Remove or rename one."});
-    }
-    columns.time = i;
-  }
-  if (columns.time == cells.size()) {
-    fail(path, line->number,
-         {"no column is called time", "the label 'time' among the column labels",
-          std::string(text::trim(line->text)), "Add the time of every row, in seconds."});
-  }
-  return columns;
 }
 
 // Collects rows; each is checked before the next is read.
@@ -269,7 +86,8 @@ class RowParser {
     const std::optional<double> time = text::parse_number(cell);
     if (!time || !std::isfinite(*time)) {
       fail(path_, line.number,
-           {"the time is no number", "a time in seconds", std::string(cell), remedy_for(cell)});
+           {"the time is no number", "a time in seconds", std::string(cell),
+            text::remedy_for_number(cell)});
     }
     if (!times_.empty() && *time < times_.back()) {
       fail(path_, line.number,
@@ -311,12 +129,7 @@ class RowParser {
     if (const std::optional<double> value = text::parse_number(cell)) return *value;
     fail(path_, line.number,
          {fmt::format("column '{}' has a value that is no number", columns_.labels[column]),
-          "a number", std::string(cell), remedy_for(cell)});
-  }
-
-  static std::string remedy_for(std::string_view cell) {
-    return cell.find(',') == cell.npos ? "Correct the value."
-                                       : "Write decimals with a point, not a comma.";
+          "a number", std::string(cell), text::remedy_for_number(cell)});
   }
 
   const std::string& path_;
@@ -360,19 +173,6 @@ void warn_of_duplicates(int line, TimeTableFile& file) {
                    count, examples, count > 3 ? ", ..." : "")});
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::string content = read_file(path);
-  if (text::trim(content).empty()) {
-    fail(path.string(), 0, {"is empty", "a MOT or STO file", "", "Was it written completely?"});
-  }
-  if (text::looks_binary(content)) {
-    fail(path.string(), 0,
-         {"is binary or UTF-16", "a MOT or STO file in plain text", "",
-          "Is it the right file? Save it as UTF-8 text."});
-  }
-  return content;
-}
-
 std::vector<std::string> flat_labels(const Columns& columns,
                                      const std::vector<std::string>& suffixes) {
   std::vector<std::string> labels;
@@ -414,16 +214,13 @@ void check_writable(const std::string& path, const TimeTable& table) {
 std::string format_header(const TimeTable& table) {
   std::string out;
   if (!table.name.empty()) {
-    const HeaderLine line = parse_header_line({table.name, 1, true});
-    // Otherwise the first line would be read as a key.
-    const bool ambiguous = line.has_equals || is_structural(line.word);
-    out += fmt::format("{}{}\n", ambiguous ? "name " : "", table.name);
+    out += fmt::format("{}{}\n", storage::reads_as_key(table.name) ? "name " : "", table.name);
   }
   out +=
       fmt::format("version=1\nnRows={}\nnColumns={}\n", table.time.size(), table.labels.size() + 1);
   if (table.in_degrees) out += fmt::format("inDegrees={}\n", *table.in_degrees ? "yes" : "no");
   for (const auto& [key, value] : table.header) {
-    if (!is_structural(text::lower(key))) out += fmt::format("{}={}\n", key, value);
+    if (!storage::is_structural_key(key)) out += fmt::format("{}={}\n", key, value);
   }
   out += "endheader\ntime";
   for (const std::string& label : table.labels) out += "\t" + label;
@@ -433,13 +230,13 @@ std::string format_header(const TimeTable& table) {
 }  // namespace
 
 TimeTableFile read_storage(const std::filesystem::path& path) {
-  const std::string content = read_text(path);
+  const std::string content = text::read_text_file(path, "a MOT or STO file");
   TimeTableFile file;
   file.path = path.string();
   LineReader lines(content);
-  const Header header = parse_header(file.path, lines);
-  const std::vector<std::string> suffixes = element_suffixes(file.path, header);
-  const Columns columns = parse_columns(file.path, header, lines);
+  const Header header = storage::parse_header(file.path, lines);
+  const std::vector<std::string> suffixes = storage::element_suffixes(file.path, header);
+  const Columns columns = storage::parse_columns(file.path, header, lines);
   RowParser rows(file.path, columns, suffixes.size());
   while (const std::optional<Line> line = lines.next_filled()) rows.parse(*line);
 
@@ -458,11 +255,11 @@ TimeTableFile read_storage(const std::filesystem::path& path) {
 }
 
 std::vector<std::string> read_storage_labels(const std::filesystem::path& path) {
-  const std::string content = read_text(path);
+  const std::string content = text::read_text_file(path, "a MOT or STO file");
   LineReader lines(content);
-  const Header header = parse_header(path.string(), lines);
-  const std::vector<std::string> suffixes = element_suffixes(path.string(), header);
-  return flat_labels(parse_columns(path.string(), header, lines), suffixes);
+  const Header header = storage::parse_header(path.string(), lines);
+  const std::vector<std::string> suffixes = storage::element_suffixes(path.string(), header);
+  return flat_labels(storage::parse_columns(path.string(), header, lines), suffixes);
 }
 
 void write_storage(const std::filesystem::path& path, const TimeTable& table) {

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "data/input_error.h"
+#include "data/input_file.h"
+
 namespace sinew::text {
 namespace {
 
@@ -159,7 +162,22 @@ void split_words(std::string_view line, std::vector<std::string_view>& words) {
   }
 }
 
-bool looks_binary(std::string_view content) { return content.find('\0') != content.npos; }
+std::string read_text_file(const std::filesystem::path& path, const std::string& format) {
+  std::string content = read_file(path);
+  if (trim(content).empty()) {
+    throw InputError({path.string(), 0}, {"is empty", format, "", "Was it written completely?"});
+  }
+  if (content.find('\0') != content.npos) {
+    throw InputError({path.string(), 0}, {"is binary or UTF-16", format + " in plain text", "",
+                                          "Is it the right file? Save it as UTF-8 text."});
+  }
+  return content;
+}
+
+std::string remedy_for_number(std::string_view cell) {
+  return cell.find(',') == cell.npos ? "Correct the value."
+                                     : "Write decimals with a point, not a comma.";
+}
 
 std::optional<double> parse_number(std::string_view text, int decimal_shift) {
   if (text.empty()) return std::nullopt;

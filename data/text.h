@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,8 +41,12 @@ void split_tabs(std::string_view line, std::vector<std::string_view>& cells);
 /// Replaces `words` by the words between white space.
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
-/// True if the text holds a NUL byte, as UTF-16 and every binary format do and no table does.
-bool looks_binary(std::string_view content);
+/// The content of a text file of some `format`, for messages: "a TRC file". Throws InputError as
+/// read_file does, and if the file is empty or holds a NUL byte, as UTF-16 and binary formats do.
+std::string read_text_file(const std::filesystem::path& path, const std::string& format);
+
+/// What to do about a cell that is no number: the sentence that ends a message.
+std::string remedy_for_number(std::string_view cell);
 
 /// The number that `text` is, times 10^decimal_shift, rounded once: `617.2` mm read with a shift of
 /// -3 is exactly the double nearest to 0.6172. Accepts a leading `+`, Fortran's `D` exponents, NaN,
