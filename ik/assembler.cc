@@ -126,7 +126,7 @@ namespace {
 // gains nothing by our projection.
 class PlainCost {
  public:
-  PlainCost(MusculoskeletalModel model, const MarkerFile& recording,
+  PlainCost(MusculoskeletalModel model, const MarkerTrajectories& markers,
             const TrackingProblem& tracking)
       : model_(without_couplers(std::move(model))),
         tree_(compile_tree(model_, {.ignore_locks = true})),
