@@ -75,7 +75,7 @@ int read_version(const XmlFile& xml) {
 void check_units(const XmlFile& xml, pugi::xml_node model, const char* name,
                  std::initializer_list<const char*> accepted) {
   const std::string unit = xml.text(model, name);
-  if (unit.empty()) return;
+  if (unit.empty() || unit == "Unassigned") return;  // OpenSim then takes SI, and so do we
   for (const char* good : accepted) {
     if (unit == good) return;
   }
@@ -100,6 +100,10 @@ MusculoskeletalModel read_document(const XmlFile& xml) {
     reader.model.gravity = *gravity;
   }
   read_bodies(reader);
+  if (reader.model.bodies.size() < 2) {
+    xml.fail(reader.model_node, {"the model has no bodies", "at least one <Body> in its <BodySet>",
+                                 "", "Name a model that has bodies."});
+  }
   read_joints(reader);
   read_constraints(reader);
   read_markers(reader);

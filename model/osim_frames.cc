@@ -30,23 +30,24 @@ bool is_frame(std::string_view class_name) {
 }  // namespace
 
 void FrameTable::add_body(const std::string& name, int body) {
-  by_path_[name] = {name, {}, body};
+  by_path_[name] = {name, {}, {}, body};
   by_last_name_[name].push_back(name);
 }
 
-void FrameTable::add_frames(const std::string& owner_name, pugi::xml_node owner) {
-  for (const pugi::xml_node child : owner.children()) {
+void FrameTable::add_frames(const std::string& owner_name, const std::string& enclosing,
+                            pugi::xml_node parent) {
+  for (const pugi::xml_node child : parent.children()) {
     const std::string_view class_name = child.name();
     if (is_frame(class_name)) {
       const std::string key = owner_name + "/" + name_of(child);
-      by_path_[key] = {owner_name, child, -1};
+      by_path_[key] = {owner_name, enclosing, child, -1};
       by_last_name_[name_of(child)].push_back(key);
-      add_frames(owner_name, child);
+      add_frames(owner_name, name_of(child), child);
     } else if (class_name == "Station") {
       add_station(name_of(child), child);
     } else if (class_name == "frames" || class_name == "components" ||
                class_name == "ComponentSet" || class_name == "objects") {
-      add_frames(owner_name, child);
+      add_frames(owner_name, enclosing, child);
     }
   }
 }
@@ -102,7 +103,7 @@ FixedFrame FrameTable::resolve_entry(const Entry& entry, int depth) const {
     return resolve_station_frame(entry, depth);
   }
   std::string parent = frame_reference(xml_, entry.node, "parent", "parent");
-  if (parent.empty() || parent == "..") parent = entry.owner;
+  if (parent.empty() || parent == "..") parent = entry.enclosing;
   const FixedFrame base = resolve_reference(parent, entry.owner, entry.node, depth + 1);
   RigidTransform X_PF;
   X_PF.p = xml_.vector3(entry.node, "translation").value_or(Eigen::Vector3d::Zero());

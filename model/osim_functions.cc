@@ -27,6 +27,7 @@ double required_number(const XmlFile& xml, pugi::xml_node element, const char* n
 }
 
 LinearFunction read_linear(const XmlFile& xml, pugi::xml_node element) {
+  if (!element.child("coefficients")) return {};
   const std::vector<double> c = required_numbers(xml, element, "coefficients");
   if (c.size() != 2) {
     xml.fail(element, {"<LinearFunction> has the wrong number of coefficients",
@@ -40,6 +41,11 @@ GcvSpline read_gcv_spline(const XmlFile& xml, pugi::xml_node element) {
   spline.half_order = static_cast<int>(xml.number(element, "half_order").value_or(3.0));
   spline.x = required_numbers(xml, element, "x");
   spline.y = required_numbers(xml, element, "y");
+  if (xml.number(element, "error_variance").value_or(0.0) != 0.0) {
+    xml.fail(element.child("error_variance"),
+             {"a <GCVSpline> that smooths its points is not supported", "<error_variance> 0",
+              xml.text(element, "error_variance"), "Replace y by the smoothed values."});
+  }
   return spline;
 }
 
@@ -67,9 +73,11 @@ ScalarFunction read_unchecked(const XmlFile& xml, pugi::xml_node element) {
     return {PolynomialFunction{required_numbers(xml, element, "coefficients")}};
   }
   if (kind == "Sine") {
-    return {SineFunction{
-        required_number(xml, element, "amplitude"), required_number(xml, element, "omega"),
-        required_number(xml, element, "phase"), xml.number(element, "offset").value_or(0.0)}};
+    const auto value = [&](const char* name, double standard) {
+      return xml.number(element, name).value_or(standard);
+    };
+    return {SineFunction{value("amplitude", 1.0), value("omega", 1.0), value("phase", 0.0),
+                         value("offset", 0.0)}};
   }
   if (kind == "SimmSpline" || kind == "NaturalCubicSpline" || kind == "natCubicSpline") {
     return points(SimmSpline{});
@@ -80,8 +88,8 @@ ScalarFunction read_unchecked(const XmlFile& xml, pugi::xml_node element) {
   }
   if (kind == "GCVSpline") return {read_gcv_spline(xml, element)};
   if (kind == "StepFunction") {
-    return {StepFunction{required_number(xml, element, "start_time"),
-                         required_number(xml, element, "end_time"),
+    return {StepFunction{required_number(xml, element, "transition_start_time"),
+                         required_number(xml, element, "transition_end_time"),
                          xml.number(element, "start_value").value_or(0.0),
                          xml.number(element, "end_value").value_or(1.0)}};
   }

@@ -309,13 +309,39 @@ void read_axis(Reader& reader, Joint& joint, std::size_t slot, pugi::xml_node no
                                          : ScalarFunction{ConstantFunction{}};
 }
 
-void require_independent_axes(Reader& reader, const RawJoint& raw) {
+bool collinear_axes(const TransformAxis& a, const TransformAxis& b) {
   constexpr double kCollinear = 1e-5;  // OpenSim's own bound
+  return a.axis.normalized().cross(b.axis.normalized()).norm() < kCollinear;
+}
+
+// An axis that the file leaves out moves nothing, but Simbody wants it independent of the others.
+void choose_free_axis(Joint& joint, const std::vector<std::pair<std::string, pugi::xml_node>>& axes,
+                      std::size_t slot) {
+  const std::size_t first = slot < 3 ? 0 : 3;
+  for (std::size_t k = 0; k < 3; ++k) {
+    TransformAxis& axis = joint.axes[slot];
+    axis.axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>((slot + k) % 3));
+    bool independent = true;
+    for (std::size_t other = first; other < first + 3; ++other) {
+      const bool taken = other < slot || axes[other].second;
+      if (other != slot && taken && collinear_axes(axis, joint.axes[other])) independent = false;
+    }
+    if (independent) return;
+  }
+}
+
+void require_at_most_six(Reader& reader, const RawJoint& raw) {
+  if (raw.joint.coordinates.size() <= 6) return;
+  reader.xml.fail(raw.node, {fmt::format("joint '{}' has too many coordinates", raw.joint.name),
+                             "6 at most", std::to_string(raw.joint.coordinates.size()),
+                             "Split the joint in two with a massless body between."});
+}
+
+void require_independent_axes(Reader& reader, const RawJoint& raw) {
   for (const std::size_t first : {0u, 3u}) {
     const auto& a = raw.joint.axes;
     const auto collinear = [&](std::size_t i, std::size_t j) {
-      return a[first + i].axis.normalized().cross(a[first + j].axis.normalized()).norm() <
-             kCollinear;
+      return collinear_axes(a[first + i], a[first + j]);
     };
     if (collinear(0, 1) || collinear(0, 2) || collinear(1, 2)) {
       reader.xml.fail(raw.node,
@@ -326,17 +352,32 @@ void require_independent_axes(Reader& reader, const RawJoint& raw) {
   }
 }
 
+// OpenSim 4 tells coordinates of one name in different joints apart by their paths.
+void make_unique(Reader& reader, const Joint& joint, Coordinate& c) {
+  if (reader.model.find_coordinate(c.name) < 0) return;
+  const std::string qualified = joint.name + "/" + c.name;
+  reader.model.warnings.push_back(
+      {c.source, fmt::format("another joint has a coordinate called '{}' too; this one is called "
+                             "'{}' here and in results",
+                             c.name, qualified)});
+  c.name = qualified;
+}
+
 void read_joint_coordinates(Reader& reader, RawJoint& raw) {
   MusculoskeletalModel& model = reader.model;
   Joint& joint = raw.joint;
   const int joint_index = static_cast<int>(model.joints.size());
+  std::map<std::string, int> own;  // the joint's coordinates as the file calls them
   const auto add = [&](Coordinate c) {
     c.joint = joint_index;
-    if (model.find_coordinate(c.name) >= 0) {
-      throw InputError(c.source, {fmt::format("two coordinates are called '{}'", c.name),
-                                  "unique names", "", "Rename one of them."});
+    const int index = static_cast<int>(model.coordinates.size());
+    if (!own.emplace(c.name, index).second) {
+      throw InputError(
+          c.source, {fmt::format("joint '{}' has two coordinates called '{}'", joint.name, c.name),
+                     "unique names", "", "Rename one of them."});
     }
-    joint.coordinates.push_back(static_cast<int>(model.coordinates.size()));
+    make_unique(reader, joint, c);
+    joint.coordinates.push_back(index);
     model.coordinates.push_back(std::move(c));
   };
   std::vector<pugi::xml_node> nodes = set_members(raw.node, "CoordinateSet");
@@ -346,9 +387,7 @@ void read_joint_coordinates(Reader& reader, RawJoint& raw) {
   }
   if (joint.kind == Joint::Kind::kCustom) {
     const auto coordinate_named = [&](const std::string& name) {
-      for (const int c : joint.coordinates) {
-        if (model.coordinates[static_cast<std::size_t>(c)].name == name) return c;
-      }
+      if (const auto found = own.find(name); found != own.end()) return found->second;
       Coordinate implied;
       implied.name = name;
       implied.source = joint.source;
@@ -360,13 +399,13 @@ void read_joint_coordinates(Reader& reader, RawJoint& raw) {
     };
     const auto axes = transform_axes(reader, raw);
     for (std::size_t i = 0; i < 6; ++i) {
-      if (axes[i].second) {
-        read_axis(reader, joint, i, axes[i].second, coordinate_named);
-      } else {
-        joint.axes[i].axis = Eigen::Vector3d::Unit(static_cast<int>(i % 3));
-      }
+      if (axes[i].second) read_axis(reader, joint, i, axes[i].second, coordinate_named);
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (!axes[i].second) choose_free_axis(joint, axes, i);
     }
     require_independent_axes(reader, raw);
+    require_at_most_six(reader, raw);
     for (const int c : joint.coordinates) {
       model.coordinates[static_cast<std::size_t>(c)].motion = motion_of(joint, c);
     }
@@ -403,6 +442,18 @@ void read_joint_coordinates(Reader& reader, RawJoint& raw) {
   }
 }
 
+// Nothing but reports refer to joints by name, so two of one name need not stop anyone.
+void rename_repeated(Reader& reader, Joint& joint, std::set<std::string>& names) {
+  if (names.insert(joint.name).second) return;
+  const std::string repeated = joint.name;
+  for (int i = 2; !names.insert(joint.name).second; ++i) {
+    joint.name = fmt::format("{}_{}", repeated, i);
+  }
+  reader.model.warnings.push_back(
+      {joint.source, fmt::format("another joint is called '{}' too; this one is called '{}' here",
+                                 repeated, joint.name)});
+}
+
 }  // namespace
 
 void read_joints(Reader& reader) {
@@ -421,7 +472,9 @@ void read_joints(Reader& reader) {
   for (std::size_t b = 0; b < reader.model.bodies.size(); ++b) {
     reader.frames.set_body(reader.model.bodies[b].name, static_cast<int>(b));
   }
+  std::set<std::string> names;
   for (RawJoint& raw : joints) {
+    rename_repeated(reader, raw.joint, names);
     raw.joint.parent = new_index.at(raw.joint.parent);
     raw.joint.child = new_index.at(raw.joint.child);
     read_joint_coordinates(reader, raw);
@@ -430,9 +483,17 @@ void read_joints(Reader& reader) {
 }
 
 int coordinate_index(const Reader& reader, const std::string& reference, pugi::xml_node node) {
+  // A path ends in joint/coordinate, which is also what a coordinate whose name is not unique is
+  // called.
   const std::size_t slash = reference.find_last_of('/');
   const std::string name = slash == std::string::npos ? reference : reference.substr(slash + 1);
-  const int index = reader.model.find_coordinate(name);
+  int index = -1;
+  if (slash != std::string::npos && slash > 0) {
+    const std::size_t before = reference.find_last_of('/', slash - 1);
+    index = reader.model.find_coordinate(
+        before == std::string::npos ? reference : reference.substr(before + 1));
+  }
+  if (index < 0) index = reader.model.find_coordinate(name);
   if (index < 0) {
     reader.xml.fail(node, {fmt::format("'{}' refers to a coordinate that the model does not have",
                                        name_of(node)),

@@ -29,7 +29,9 @@ class FrameTable {
   void set_body(const std::string& name, int body) { by_path_.at(name).body = body; }
   /// Registers every offset and station-defined frame below `owner` (a Body, Ground, Joint,
   /// constraint or the Model), under `owner_name/frame_name`.
-  void add_frames(const std::string& owner_name, pugi::xml_node owner);
+  void add_frames(const std::string& owner_name, pugi::xml_node owner) {
+    add_frames(owner_name, owner_name, owner);
+  }
   void add_station(const std::string& name, pugi::xml_node node);
 
   /// The frame that `reference` names, seen from the element `owner_name`; `node` is where it
@@ -41,9 +43,12 @@ class FrameTable {
  private:
   struct Entry {
     std::string owner;
-    pugi::xml_node node;  // null for a body
+    std::string enclosing;  // what ".." means: the owner, or the frame that this frame stands in
+    pugi::xml_node node;    // null for a body
     int body = -1;
   };
+  void add_frames(const std::string& owner_name, const std::string& enclosing,
+                  pugi::xml_node parent);
   const Entry* find(const std::string& reference, const std::string& owner_name) const;
   FixedFrame resolve_entry(const Entry& entry, int depth) const;
   FixedFrame resolve_reference(const std::string& reference, const std::string& owner_name,
