@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -132,6 +133,8 @@ void CompiledFunction::compile(const SimmSpline& f, double scale) {
     return at_right_end ? chord + h * (s[i] + 2.0 * s[i + 1]) : chord - h * (s[i + 1] + 2.0 * s[i]);
   };
   breaks_ = f.x;
+  // The last point has the curvature of the cubic that ends there, as in OpenSim.
+  breaks_.back() = std::nextafter(f.x.back(), std::numeric_limits<double>::infinity());
   add_piece(f.x[0], {f.y[0], slope_at(0, false)}, scale);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double h = f.x[i + 1] - f.x[i];

@@ -8,6 +8,7 @@
 #include "model/osim_file.h"
 #include "model/simbody_model.h"
 #include "tests/model/random_model.h"
+#include "tests/model/shared_models.h"
 
 namespace sinew {
 namespace {
@@ -199,6 +200,30 @@ double worst_torque(Pair& pair, std::mt19937& random) {
   return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
 }
 
+double largest_distance(const Pair& pair) {
+  double largest = 0.0;
+  for (const RigidTransform& X_WB : pair.workspace.X_WB) largest = std::max(largest, X_WB.p.norm());
+  return largest;
+}
+
+// How far the tree's coordinates are from satisfying the couplers as Simbody's own constraints.
+double worst_coupler(const MusculoskeletalModel& model, unsigned seed) {
+  Pair pair(model);
+  std::mt19937 random(seed);
+  pair.pose(random_pose(model, random));
+  const SimbodyModel constrained(model, {.couplers_as_constraints = true});
+  std::vector<double> q(model.coordinates.size());
+  for (std::size_t c = 0; c < q.size(); ++c) q[c] = pair.coordinate(static_cast<int>(c));
+  SimTK::State state = constrained.default_state();
+  constrained.set_q(state, q);
+  constrained.system().realize(state, SimTK::Stage::Position);
+  const SimTK::Vector errors = state.getQErr();
+  EXPECT_EQ(errors.size(), static_cast<int>(model.couplers.size()));
+  Worst worst;
+  for (int i = 0; i < errors.size(); ++i) worst.add(std::abs(errors[i]));
+  return worst.value;
+}
+
 // |station Jacobian − quotient of differences| over all links, each unknown stepped by advance().
 double worst_difference_quotient(const Pair& pair, double h) {
   const KinematicTree& tree = pair.tree;
@@ -273,6 +298,46 @@ TEST(KinematicTree, HasTheJacobianOfItsOwnPoses) {
     worst.add(worst_difference_quotient(pair, kDifferenceStep));
   }
   EXPECT_LE(worst.value, kDifferenceTolerance);
+}
+
+TEST(PublishedModels, HaveThePosesJacobiansAndTorquesOfSimbody) {
+  SINEW_SKIP_WITHOUT_SHARED_DATA();
+  for (const auto& path : shared_models()) {
+    if (has_no_bodies(path)) continue;
+    SCOPED_TRACE(path);
+    Pair pair(read_osim(path));
+    std::mt19937 random(1);
+    pair.pose(random_pose(pair.model, random));
+    // Couplers can put bodies tens of metres away at angles outside their splines.
+    const double size = std::max(1.0, largest_distance(pair));
+    EXPECT_LE(worst_pose(pair), kPoseTolerance * size);
+    EXPECT_LE(worst_jacobian(pair, random), kJacobianTolerance * size);
+    if (pair.tree.unknown_count() > 0) {
+      EXPECT_LE(worst_torque(pair, random), kTorqueTolerance);
+    }
+  }
+}
+
+TEST(PublishedModels, KeepTheirCouplersInSimbodyToo) {
+  SINEW_SKIP_WITHOUT_SHARED_DATA();
+  int with_couplers = 0;
+  for (const auto& path : shared_models()) {
+    if (has_no_bodies(path)) continue;
+    SCOPED_TRACE(path);
+    const MusculoskeletalModel model = read_osim(path);
+    if (model.couplers.empty()) continue;
+    ++with_couplers;
+    EXPECT_LE(worst_coupler(model, 1), kPoseTolerance);
+  }
+  EXPECT_GE(with_couplers, 10);
+}
+
+TEST(KinematicTree, KeepsCouplersInSimbodyToo) {
+  Worst worst;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    worst.add(worst_coupler(random_model(seed, {.coupler_count = 12}), seed));
+  }
+  EXPECT_LE(worst.value, kPoseTolerance);
 }
 
 TEST(KinematicTree, UpdatesPosesAloneToTheSameBits) {
