@@ -93,7 +93,7 @@ void XmlFile::parse() {
   }
   const pugi::xml_parse_result result = document_.load_buffer(
       content_.data(), content_.size(), pugi::parse_default, pugi::encoding_utf8);
-  if (!result) {
+  if (!result && !only_closing_tags_left(result)) {
     const auto offset = static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0));
     const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);
     throw InputError({path_, static_cast<int>(line - line_starts_.begin())},
@@ -108,6 +108,28 @@ void XmlFile::parse() {
     throw InputError({path_}, {"nests its elements too deeply",
                                fmt::format("at most {} levels", kMaxDepth), "", ""});
   }
+}
+
+// Some setups end in a closing tag too many; OpenSim reads them, and nothing is lost.
+bool XmlFile::only_closing_tags_left(const pugi::xml_parse_result& result) const {
+  if (result.status != pugi::status_end_element_mismatch || !root()) return false;
+  const std::string_view content = content_;
+  std::size_t at =
+      content.rfind('<', static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)));
+  const std::string root_end = std::string("</") + root().name() + ">";
+  const std::size_t root_closed = content.find(root_end);
+  if (at == content.npos || root_closed == content.npos || root_closed >= at) return false;
+  while (at < content.size()) {
+    if (is_space(content[at])) {
+      ++at;
+      continue;
+    }
+    if (content.substr(at, 2) != "</") return false;
+    at = content.find('>', at);
+    if (at == content.npos) return false;
+    ++at;
+  }
+  return true;
 }
 
 SourceLocation XmlFile::location(pugi::xml_node node) const {

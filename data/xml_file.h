@@ -47,6 +47,7 @@ class XmlFile {
 
  private:
   void parse();
+  bool only_closing_tags_left(const pugi::xml_parse_result& result) const;
 
   std::string path_;
   std::string content_;

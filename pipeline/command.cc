@@ -1,0 +1,55 @@
+#include "pipeline/command.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+
+namespace sinew {
+namespace {
+
+volatile std::sig_atomic_t g_interrupts = 0;
+
+extern "C" void on_interrupt(int) {
+  g_interrupts = g_interrupts + 1;
+  if (g_interrupts > 1) std::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+
+void watch_interrupts() { std::signal(SIGINT, on_interrupt); }
+
+bool interrupted() { return g_interrupts > 0; }
+
+void print_warnings(const std::vector<Warning>& warnings) {
+  for (const Warning& warning : warnings) {
+    fmt::print(stderr, "warning: {}\n", to_string(warning));
+  }
+}
+
+std::function<bool(int, int)> progress_bar(std::string what) {
+  struct State {
+    std::string what;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point last = start;
+    bool shown = false;
+  };
+  auto state = std::make_shared<State>();
+  state->what = std::move(what);
+  return [state](int done, int total) {
+    using namespace std::chrono_literals;
+    const auto now = std::chrono::steady_clock::now();
+    const bool finished = done >= total;
+    if (now - state->start > 2s && (now - state->last > 200ms || (finished && state->shown))) {
+      fmt::print(stderr, "\r{}: {} of {} frames{}", state->what, done, total, finished ? "\n" : "");
+      std::fflush(stderr);
+      state->last = now;
+      state->shown = true;
+    }
+    return !interrupted();
+  };
+}
+
+}  // namespace sinew

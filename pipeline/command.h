@@ -1,0 +1,40 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "data/input_error.h"
+
+namespace sinew {
+
+// Exit codes of every subcommand.
+constexpr int kExitOk = 0;
+constexpr int kExitFailed = 1;    // what was asked could not be done, or a comparison failed
+constexpr int kExitBadInput = 2;  // wrong usage or unusable input
+
+/// Low-pass of coordinates where neither option nor setup says otherwise [Hz]: what gait
+/// laboratories use for walking (Winter 2009, sec. 3.4.4).
+constexpr double kDefaultCutoff = 6.0;
+
+/// Each adds one subcommand to the command line. When the user chose it, `exit_code` is set by
+/// running it; errors come out as InputError or CLI::Error.
+void add_run_command(CLI::App& app, int& exit_code);
+void add_ik_command(CLI::App& app, int& exit_code);
+void add_id_command(CLI::App& app, int& exit_code);
+void add_validate_command(CLI::App& app, int& exit_code);
+void add_example_command(CLI::App& app, int& exit_code);
+
+/// Prints warnings to standard error, one a line.
+void print_warnings(const std::vector<Warning>& warnings);
+
+/// A progress bar on standard error that appears only after two seconds, and stops work on Ctrl-C:
+/// returns false then. Install it with watch_interrupts() first.
+std::function<bool(int done, int total)> progress_bar(std::string what);
+
+/// From here on Ctrl-C asks for a stop instead of ending the process; a second one ends it.
+void watch_interrupts();
+bool interrupted();
+
+}  // namespace sinew

@@ -1,0 +1,68 @@
+#include "pipeline/ik_options.h"
+
+#include <fmt/format.h>
+
+namespace sinew {
+
+void IkOptions::add_to(CLI::App& command) {
+  command.add_option("--model", model, "OpenSim model (.osim)");
+  command.add_option("--markers", markers, "Marker trajectories (.trc)");
+  command.add_option(
+      "--tasks", tasks,
+      "IK tasks with the weight of each marker and coordinate (.xml); without, every "
+      "marker weighs 1");
+  command.add_option("--task-coordinates", coordinates,
+                     "Motion file for tasks that take their values from a file");
+  command.add_option("--from", from, "First time to solve [s]");
+  command.add_option("--to", to, "Last time to solve [s]");
+  command.add_option("--method", method, "gauss-newton or lbfgs")->capture_default_str();
+  command
+      .add_option("--gradient-tolerance", tolerance,
+                  "A frame has converged when no entry of the gradient exceeds this times the sum "
+                  "of weights")
+      ->capture_default_str();
+  command
+      .add_option("--threads", threads, "Threads to use, 0 for all; results do not depend on it")
+      ->capture_default_str();
+}
+
+IkInputs IkOptions::inputs() const {
+  IkInputs inputs;
+  inputs.model_file = model;
+  inputs.marker_file = markers;
+  if (!tasks.empty()) inputs.tasks = read_ik_task_set(tasks);
+  inputs.coordinate_file = coordinates;
+  inputs.from = from;
+  inputs.to = to;
+  inputs.method = method;
+  inputs.tolerance = tolerance;
+  inputs.threads = threads;
+  return inputs;
+}
+
+void IkOptions::require_files(const IkInputs& inputs) const {
+  if (inputs.model_file.empty()) throw std::invalid_argument("no model: give --model FILE.osim");
+  if (inputs.marker_file.empty())
+    throw std::invalid_argument("no markers: give --markers FILE.trc");
+}
+
+void merge(const IkSetup& setup, const IkOptions& options, IkInputs& inputs) {
+  if (inputs.model_file.empty()) {
+    require_file(setup.model_file, location_of(setup, "model_file"), "model_file");
+    inputs.model_file = setup.model_file;
+  }
+  if (inputs.marker_file.empty()) {
+    require_file(setup.marker_file, location_of(setup, "marker_file"), "marker_file");
+    inputs.marker_file = setup.marker_file;
+  }
+  if (inputs.coordinate_file.empty() && !setup.coordinate_file.empty()) {
+    require_file(setup.coordinate_file, location_of(setup, "coordinate_file"), "coordinate_file");
+    inputs.coordinate_file = setup.coordinate_file;
+  }
+  // An empty task set means what no task set means: every marker weighs 1.
+  if (!inputs.tasks && !setup.task_set.tasks.empty()) inputs.tasks = setup.task_set;
+  if (!options.from) inputs.from = setup.from;
+  if (!options.to) inputs.to = setup.to;
+}
+
+}  // namespace sinew
