@@ -1,9 +1,17 @@
 #pragma once
 
-/// Simbody 3.7 under C++20; include this instead of <Simbody.h>. Its index types compare with every
-/// integer type but not with each other. C++20 also tries those comparisons with their arguments
-/// swapped, which makes `index == index` ambiguous in Simbody's own headers. So each index type
-/// that is defined at namespace level gets the one comparison it lacks.
+/// Simbody 3.7 under C++20; include this instead of <Simbody.h>. Two things need care.
+///
+/// Its index types compare with every integer type but not with each other. C++20 also tries those
+/// comparisons with their arguments swapped, which makes `index == index` ambiguous in Simbody's
+/// own headers. So each index type that is defined at namespace level gets the one comparison it
+/// lacks.
+///
+/// The layout of its State depends on NDEBUG. Debian builds the library without NDEBUG, so its
+/// headers are read without it in every build of ours; else a release build would crash.
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+
 #include <SimTKcommon/internal/common.h>
 
 #undef SimTK_DEFINE_UNIQUE_INDEX_TYPE
@@ -18,3 +26,5 @@
   }
 
 #include <Simbody.h>
+
+#pragma pop_macro("NDEBUG")
