@@ -37,6 +37,7 @@ void add_shifted(Matrix6d& K_parent, const Matrix6d& K, const Vector3d& r) {
 GaussNewtonCurvature::GaussNewtonCurvature(const KinematicTree& tree)
     : K_(tree.links.size(), Matrix6d::Zero()),
       H_v_(tree.v_count(), tree.v_count()),
+      diagonal_v_(tree.v_count()),
       row_(tree.unknown_count()) {}
 
 void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& problem,
@@ -64,13 +65,29 @@ void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& pr
   }
 }
 
-void GaussNewtonCurvature::diagonal(const KinematicTree& tree, const KinematicWorkspace& ws,
-                                    Eigen::Ref<Eigen::VectorXd> diagonal) const {
-  for (int x = 0; x < tree.unknown_count(); ++x) {
-    const auto v = static_cast<std::size_t>(tree.unknown_v[static_cast<std::size_t>(x)]);
-    const Vector6d& S = ws.S[v];
-    diagonal[x] = S.dot(K_[static_cast<std::size_t>(tree.link_of_v[v])] * S);
+void GaussNewtonCurvature::diagonal(const KinematicTree& tree, const IkProblem& problem,
+                                    const IkTargets& targets, const KinematicWorkspace& ws,
+                                    Eigen::Ref<Eigen::VectorXd> diagonal) {
+  for (int v = 0; v < tree.v_count(); ++v) {
+    const auto i = static_cast<std::size_t>(v);
+    const Vector6d& S = ws.S[i];
+    diagonal_v_[v] = std::max(0.0, S.dot(K_[static_cast<std::size_t>(tree.link_of_v[i])] * S));
   }
+  for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
+    if (std::isnan(targets.coordinates[i])) continue;
+    diagonal_v_[problem.coordinates[i].v] += problem.coordinates[i].weight;
+  }
+  for (std::size_t i = tree.couplings.size(); i-- > 0;) {  // Cauchy-Schwarz
+    double& from = diagonal_v_[tree.couplings[i].independent_v];
+    const double root = std::sqrt(from) + std::abs(ws.coupling_slope[i]) *
+                                              std::sqrt(diagonal_v_[tree.couplings[i].dependent_v]);
+    from = root * root;
+  }
+  for (int x = 0; x < tree.unknown_count(); ++x) {
+    diagonal[x] = diagonal_v_[tree.unknown_v[static_cast<std::size_t>(x)]];
+  }
+  for_each_pair_row(tree, problem, targets, ws,
+                    [&](double weight) { diagonal.array() += weight * row_.array().square(); });
 }
 
 void GaussNewtonCurvature::matrix(const KinematicTree& tree, const IkProblem& problem,
@@ -108,27 +125,37 @@ void GaussNewtonCurvature::matrix(const KinematicTree& tree, const IkProblem& pr
                      tree.unknown_v[static_cast<std::size_t>(j)]);
     }
   }
-  add_pairs(tree, problem, targets, ws, H);
+  for_each_pair_row(tree, problem, targets, ws, [&](double weight) {
+    H.selfadjointView<Eigen::Lower>().rankUpdate(row_, weight);
+  });
+  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
 }
 
-void GaussNewtonCurvature::add_pairs(const KinematicTree& tree, const IkProblem& problem,
-                                     const IkTargets& targets, const KinematicWorkspace& ws,
-                                     Eigen::MatrixXd& H) {
-  // Adds `sign` × the derivative of `direction · (position of p_W on link)` to row_.
-  const auto add_row = [&](int link, const Vector3d& p_W, const Vector3d& direction) {
-    for_each_mover(tree, ws, link, [&](int x, int b, const Vector6d& S, double scale) {
-      const Vector3d r = p_W - ws.X_WB[static_cast<std::size_t>(b)].p;
-      row_[x] += scale * direction.dot(S.tail<3>() + S.head<3>().cross(r));
-    });
-  };
-  const auto add_turn_row = [&](int link, const Vector3d& direction) {
-    for_each_mover(tree, ws, link, [&](int x, int, const Vector6d& S, double scale) {
-      row_[x] += scale * direction.dot(S.head<3>());
-    });
-  };
-  const auto finish_row = [&](double weight) {
-    H.selfadjointView<Eigen::Lower>().rankUpdate(row_, weight);
-    H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
+void GaussNewtonCurvature::add_point_row(const KinematicTree& tree, const KinematicWorkspace& ws,
+                                         int link, const Vector3d& p_W, const Vector3d& direction) {
+  for_each_mover(tree, ws, link, [&](int x, int b, const Vector6d& S, double scale) {
+    const Vector3d r = p_W - ws.X_WB[static_cast<std::size_t>(b)].p;
+    row_[x] += scale * direction.dot(S.tail<3>() + S.head<3>().cross(r));
+  });
+}
+
+void GaussNewtonCurvature::add_turn_row(const KinematicTree& tree, const KinematicWorkspace& ws,
+                                        int link, const Vector3d& direction) {
+  for_each_mover(tree, ws, link, [&](int x, int, const Vector6d& S, double scale) {
+    row_[x] += scale * direction.dot(S.head<3>());
+  });
+}
+
+template <typename Use>
+void GaussNewtonCurvature::for_each_pair_row(const KinematicTree& tree, const IkProblem& problem,
+                                             const IkTargets& targets, const KinematicWorkspace& ws,
+                                             const Use& use) {
+  const auto use_points = [&](int link_a, int link_b, const Vector3d& pa, const Vector3d& pb,
+                              const Vector3d& direction, double weight) {
+    row_.setZero();
+    add_point_row(tree, ws, link_a, pa, direction);
+    add_point_row(tree, ws, link_b, pb, -direction);
+    use(weight);
   };
   for (std::size_t i = 0; i < problem.distances.size(); ++i) {
     if (std::isnan(targets.distances[i])) continue;
@@ -137,28 +164,21 @@ void GaussNewtonCurvature::add_pairs(const KinematicTree& tree, const IkProblem&
     const Vector3d pb = ws.X_WB[static_cast<std::size_t>(r.link_b)] * r.p_BQ;
     const double length = (pa - pb).norm();
     if (length == 0.0 || (r.one_sided && length <= targets.distances[i])) continue;
-    const Vector3d direction = (pa - pb) / length;
-    row_.setZero();
-    add_row(r.link_a, pa, direction);
-    add_row(r.link_b, pb, -direction);
-    finish_row(r.weight);
+    use_points(r.link_a, r.link_b, pa, pb, (pa - pb) / length, r.weight);
   }
   for (const CoincidenceResidual& r : problem.coincidences) {
     const Vector3d pa = ws.X_WB[static_cast<std::size_t>(r.link_a)] * r.p_AP;
     const Vector3d pb = ws.X_WB[static_cast<std::size_t>(r.link_b)] * r.p_BQ;
     for (int axis = 0; axis < 3; ++axis) {
-      row_.setZero();
-      add_row(r.link_a, pa, Vector3d::Unit(axis));
-      add_row(r.link_b, pb, -Vector3d::Unit(axis));
-      finish_row(r.weight);
+      use_points(r.link_a, r.link_b, pa, pb, Vector3d::Unit(axis), r.weight);
     }
   }
   for (const AlignmentResidual& r : problem.alignments) {
     for (int axis = 0; axis < 3; ++axis) {  // γ ≈ 0 on a closed loop, so K_γ ≈ E
       row_.setZero();
-      add_turn_row(r.link_a, Vector3d::Unit(axis));
-      add_turn_row(r.link_b, -Vector3d::Unit(axis));
-      finish_row(r.weight);
+      add_turn_row(tree, ws, r.link_a, Vector3d::Unit(axis));
+      add_turn_row(tree, ws, r.link_b, -Vector3d::Unit(axis));
+      use(r.weight);
     }
   }
 }

@@ -29,7 +29,7 @@ void Lbfgs::remember(const Iterate& at) {
 
 void Lbfgs::precondition(const Iterate& at) {
   curvature_.update(at.tree, at.problem, *at.targets, at.workspace);
-  curvature_.diagonal(at.tree, at.workspace, inverse_diagonal_);
+  curvature_.diagonal(at.tree, at.problem, *at.targets, at.workspace, inverse_diagonal_);
   // Unknowns that no residual sees get the largest curvature: they stay where they are.
   const double largest = std::max(inverse_diagonal_.maxCoeff(), 1e-300);
   for (double& value : inverse_diagonal_) {
