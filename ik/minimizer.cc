@@ -17,6 +17,13 @@ constexpr double kArmijo = 1e-4;
 // squares.
 constexpr double kCostRounding = 1e-14;
 
+// No step turns a joint further than this [rad]. Far from the data the quadratic model promises
+// turns of many radians, which end in other minima. Measured on 1000 frames of the five published
+// trials, half from the default pose, half from random ones: Gauss-Newton reaches the best minimum
+// from 92 % of them without a bound, L-BFGS from 53 %; bounded by 1.0 from 99 and 80 %, by 0.7 from
+// 99 and 89 %, by 0.5 from 99 and 84 %. Solving from the frame before is never bounded.
+constexpr double kLargestTurn = 0.7;
+
 // Halving 60 times passes the spacing of doubles.
 constexpr int kMaxTrials = 60;
 
@@ -177,11 +184,21 @@ void Minimizer::hold_bounds(Iterate& at) const {
   }
 }
 
+// How far along d until the first joint has turned by kLargestTurn.
+double Minimizer::length_to_largest_turn() const {
+  double turn = 1e-300;  // of the fastest joint at length 1
+  for (Eigen::Index x = 0; x < d_.size(); ++x) {
+    const auto v = static_cast<std::size_t>(tree_.unknown_v[static_cast<std::size_t>(x)]);
+    turn = std::max(turn, workspace_.S[v].head<3>().norm() * std::abs(d_[x]));
+  }
+  return kLargestTurn / turn;
+}
+
 // Backtracks from the first length until Armijo's condition holds for the clipped step; the first
 // shortening goes to the minimum of the parabola through f(0), f'(0) and f(length), later ones
 // bisect.
 bool Minimizer::search(Iterate& at) {
-  length_ = direction_->scales_its_step() ? 1.0 : last_length_;
+  length_ = std::min(direction_->scales_its_step() ? 1.0 : last_length_, length_to_largest_turn());
   for (int trial = 0; trial < kMaxTrials; ++trial) {
     f_new_ = evaluate_at(*at.targets, length_, g_new_);
     double slope = 0.0;  // g · (the step really taken)

@@ -92,6 +92,7 @@ class Minimizer {
   double evaluate(const IkTargets& targets, Eigen::VectorXd& g);
   double evaluate_at(const IkTargets& targets, double length, Eigen::VectorXd& g);
   void hold_bounds(Iterate& at) const;
+  double length_to_largest_turn() const;
   bool search(Iterate& at);
   void accept(Iterate& at);
   bool finished(const Iterate& at);
