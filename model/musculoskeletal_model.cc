@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -50,7 +51,7 @@ void check_bodies(const MusculoskeletalModel& model) {
     if (!(body.mass >= 0.0) || !std::isfinite(body.mass) || !body.p_BCm.allFinite() ||
         !body.I_BCm.allFinite()) {
       reject(body.source, fmt::format("the mass properties of body '{}' are unusable", body.name),
-             "finite numbers, mass 0 or more", "", "");
+             "finite numbers, mass 0 or more", "", "Correct mass, mass centre or inertia.");
     }
   }
 }
@@ -67,10 +68,10 @@ void check_joints(const MusculoskeletalModel& model) {
     if (!joint.X_PF.p.allFinite() || !joint.X_PF.R.allFinite() || !joint.X_BM.p.allFinite() ||
         !joint.X_BM.R.allFinite()) {
       reject(joint.source, fmt::format("a frame of joint '{}' is not finite", joint.name),
-             "finite numbers", "", "");
+             "finite numbers", "", "Correct the location and orientation of its frames.");
     }
     for (const int c : joint.coordinates) {
-      if (c != next_coordinate++ ||
+      if (c != next_coordinate++ || !in_range(c, model.coordinates.size()) ||
           model.coordinates[static_cast<std::size_t>(c)].joint != static_cast<int>(j)) {
         throw std::invalid_argument(
             fmt::format("coordinates of joint '{}' are out of order", joint.name));
@@ -79,6 +80,88 @@ void check_joints(const MusculoskeletalModel& model) {
   }
   if (next_coordinate != static_cast<int>(model.coordinates.size())) {
     throw std::invalid_argument("a coordinate belongs to no joint");
+  }
+}
+
+int coordinate_count(Joint::Kind kind) {
+  switch (kind) {
+    case Joint::Kind::kWeld:
+      return 0;
+    case Joint::Kind::kPin:
+    case Joint::Kind::kSlider:
+      return 1;
+    case Joint::Kind::kUniversal:
+      return 2;
+    case Joint::Kind::kBall:
+    case Joint::Kind::kGimbal:
+    case Joint::Kind::kPlanar:
+    case Joint::Kind::kEllipsoid:
+      return 3;
+    case Joint::Kind::kFree:
+      return 6;
+    case Joint::Kind::kCustom:
+      break;
+  }
+  return -1;  // any number up to six
+}
+
+// What the kind of a joint asks of its coordinates, axes and radii.
+void check_joint_kinds(const MusculoskeletalModel& model) {
+  for (const Joint& joint : model.joints) {
+    const int count = static_cast<int>(joint.coordinates.size());
+    const int expected = coordinate_count(joint.kind);
+    if (expected >= 0 ? count != expected : count > 6) {
+      throw std::invalid_argument(fmt::format("joint '{}' has {} coordinates; expected {}",
+                                              joint.name, count,
+                                              expected >= 0 ? std::to_string(expected) : "0 to 6"));
+    }
+    if (joint.kind == Joint::Kind::kEllipsoid && !(joint.radii.minCoeff() > 0.0)) {
+      throw std::invalid_argument(
+          fmt::format("ellipsoid joint '{}' has a radius that is not positive", joint.name));
+    }
+    if (joint.kind != Joint::Kind::kCustom) continue;
+    for (const TransformAxis& step : joint.axes) {
+      const bool own =
+          step.coordinate < 0 || std::find(joint.coordinates.begin(), joint.coordinates.end(),
+                                           step.coordinate) != joint.coordinates.end();
+      if (!own || !(step.axis.norm() > 0.0) || !step.axis.allFinite()) {
+        throw std::invalid_argument(fmt::format(
+            "an axis of joint '{}' has no direction or another joint's coordinate", joint.name));
+      }
+    }
+  }
+}
+
+void check_coordinates(const MusculoskeletalModel& model) {
+  for (const Coordinate& c : model.coordinates) {
+    if (!(c.range_min <= c.range_max) || !std::isfinite(c.default_value)) {
+      reject(c.source, fmt::format("coordinate '{}' has an unusable range or default", c.name),
+             "a lower bound below an upper one and a finite default", "",
+             "Correct the coordinate.");
+    }
+  }
+}
+
+template <typename Constraints>
+void check_constrained_bodies(const MusculoskeletalModel& model, const Constraints& constraints) {
+  for (const auto& constraint : constraints) {
+    if (!in_range(constraint.body1, model.bodies.size()) ||
+        !in_range(constraint.body2, model.bodies.size())) {
+      throw std::invalid_argument(
+          fmt::format("constraint '{}' has a body out of range", constraint.name));
+    }
+  }
+}
+
+void check_paths(const MusculoskeletalModel& model) {
+  for (const PathElement& path : model.paths) {
+    for (const PathPoint& point : path.points) {
+      if (!in_range(point.body, model.bodies.size()) || !point.p_BP.allFinite()) {
+        reject(path.source,
+               fmt::format("point '{}' of '{}' has an unusable place", point.name, path.name),
+               "a body and three finite numbers", "", "Correct its location.");
+      }
+    }
   }
 }
 
@@ -95,7 +178,8 @@ void check_couplers(const MusculoskeletalModel& model) {
     if (source[dependent] >= 0) {
       reject(coupler.source,
              fmt::format("two couplers set coordinate '{}'", model.coordinates[dependent].name),
-             "one coupler a coordinate", coupler.name, "Remove one of them.");
+             "one coupler a coordinate", fmt::format("another in '{}'", coupler.name),
+             "Remove one of them.");
     }
     source[dependent] = coupler.independent;
   }
@@ -137,7 +221,12 @@ int MusculoskeletalModel::find_marker(const std::string& marker_name) const {
 void validate(const MusculoskeletalModel& model) {
   check_bodies(model);
   check_joints(model);
+  check_joint_kinds(model);
+  check_coordinates(model);
   check_couplers(model);
+  check_constrained_bodies(model, model.welds);
+  check_constrained_bodies(model, model.point_constraints);
+  check_paths(model);
   require_unique(model.bodies, "bodies");
   require_unique(model.joints, "joints");
   require_unique(model.coordinates, "coordinates");
@@ -145,11 +234,11 @@ void validate(const MusculoskeletalModel& model) {
   for (const Marker& marker : model.markers) {
     if (!in_range(marker.body, model.bodies.size()) || !marker.p_BM.allFinite()) {
       reject(marker.source, fmt::format("marker '{}' has an unusable place", marker.name),
-             "a body and three finite numbers", "", "");
+             "a body and three finite numbers", "", "Correct its location.");
     }
   }
   if (!model.gravity.allFinite()) {
-    reject({}, "gravity is not finite", "three finite numbers", "", "");
+    reject({}, "gravity is not finite", "three finite numbers", "", "Correct gravity.");
   }
 }
 

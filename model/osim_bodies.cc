@@ -20,7 +20,7 @@ std::array<double, 6> read_inertia_components(const XmlFile& xml, pugi::xml_node
     if (values.size() != 6) {
       xml.fail(current,
                {fmt::format("<inertia> of body '{}' has the wrong number of values", name_of(node)),
-                "6 (xx yy zz xy xz yz)", std::to_string(values.size()), ""});
+                "6 (xx yy zz xy xz yz)", std::to_string(values.size()), "Give all six."});
     }
     std::copy(values.begin(), values.end(), components.begin());
     return components;
@@ -44,7 +44,7 @@ Eigen::Matrix3d read_inertia(Reader& reader, pugi::xml_node node, double mass) {
   I << c[0], c[3], c[4], c[3], c[1], c[5], c[4], c[5], c[2];
   if (!I.allFinite()) {
     reader.xml.fail(node, {fmt::format("the inertia of body '{}' is not finite", name_of(node)),
-                           "six numbers", "", ""});
+                           "six finite numbers", "", "Correct the inertia."});
   }
   if (mass == 0.0) {
     if (I.norm() > 0.0) {
@@ -73,7 +73,7 @@ Body read_body(Reader& reader, pugi::xml_node node) {
   if (!(body.mass >= 0.0) || !std::isfinite(body.mass)) {
     reader.xml.fail(node.child("mass"),
                     {fmt::format("the mass of body '{}' is unusable", body.name),
-                     "0 or more kilograms", fmt::format("{}", body.mass), ""});
+                     "0 or more kilograms", fmt::format("{}", body.mass), "Correct the mass."});
   }
   body.p_BCm = reader.xml.vector3(node, "mass_center").value_or(Eigen::Vector3d::Zero());
   body.I_BCm = read_inertia(reader, node, body.mass);

@@ -28,8 +28,9 @@ void read_coupler(Reader& reader, pugi::xml_node node) {
   coupler.dependent = coordinate_index(reader, xml.text(node, "dependent_coordinate_name"), node);
   const auto function = find_function(xml, node, "coupled_coordinates_function");
   if (!function) {
-    xml.fail(node, {fmt::format("coupler '{}' has no function", coupler.name),
-                    "<coupled_coordinates_function>", "", ""});
+    xml.fail(node,
+             {fmt::format("coupler '{}' has no function", coupler.name),
+              "<coupled_coordinates_function> with a function in it", "", "Add the function."});
   }
   coupler.function = *function;
   coupler.function.scale *= xml.number(node, "scale_factor").value_or(1.0);
@@ -40,9 +41,9 @@ FixedFrame constraint_body(Reader& reader, pugi::xml_node node, const char* sock
                            const char* old_name) {
   const std::string reference = frame_reference(reader.xml, node, socket, old_name);
   if (reference.empty()) {
-    reader.xml.fail(node,
-                    {fmt::format("constraint '{}' names no {}", name_of(node), old_name),
-                     fmt::format("<socket_{}> or <{}> with a body", socket, old_name), "", ""});
+    reader.xml.fail(node, {fmt::format("constraint '{}' names no {}", name_of(node), old_name),
+                           fmt::format("<socket_{}> or <{}> with a body", socket, old_name), "",
+                           "Name the body, or disable the constraint."});
   }
   return reader.frames.resolve(reference, name_of(node), node);
 }

@@ -38,7 +38,8 @@ void read_markers(Reader& reader) {
     const std::string reference = frame_reference(reader.xml, node, "parent_frame", "body");
     if (reference.empty()) {
       reader.xml.fail(node, {fmt::format("marker '{}' names no body", marker.name),
-                             "<socket_parent_frame> or <body>", "", ""});
+                             "<socket_parent_frame> or <body> with a body's name", "",
+                             "Name the body that carries the marker."});
     }
     if (!names.insert(marker.name).second) {
       reader.xml.fail(node, {fmt::format("two markers are called '{}'", marker.name),
@@ -66,8 +67,9 @@ int read_version(const XmlFile& xml) {
   }
   const int version = root.attribute("Version").as_int(-1);
   if (version < kOldestVersion) {
-    xml.fail(root, {"has no usable document version", "Version=\"10901\" or later",
-                    root.attribute("Version").value(), ""});
+    xml.fail(root,
+             {"has no usable document version", "Version=\"10901\" or later",
+              root.attribute("Version").value(), "Open the model in OpenSim and save it again."});
   }
   return version;
 }

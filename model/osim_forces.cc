@@ -20,7 +20,7 @@ void read_moving_location(Reader& reader, pugi::xml_node node, PathPoint& point)
     if (!function) {
       reader.xml.fail(node,
                       {fmt::format("moving path point '{}' has no <{}>", point.name, location),
-                       "a function of a coordinate", "", ""});
+                       "a function of a coordinate", "", "Add the function."});
     }
     point.location[i].function = *function;
     const std::string reference =
@@ -36,7 +36,8 @@ void read_condition(Reader& reader, pugi::xml_node node, PathPoint& point) {
   if (range.size() != 2) {
     reader.xml.fail(node,
                     {fmt::format("conditional path point '{}' has an unusable range", point.name),
-                     "two numbers in <range>", reader.xml.text(node, "range"), ""});
+                     "two numbers in <range>", reader.xml.text(node, "range"),
+                     "Give the coordinate's lowest and highest value on the path."});
   }
   point.condition_min = std::min(range[0], range[1]);
   point.condition_max = std::max(range[0], range[1]);
@@ -44,29 +45,34 @@ void read_condition(Reader& reader, pugi::xml_node node, PathPoint& point) {
       coordinate_index(reader, frame_reference(reader.xml, node, "coordinate", "coordinate"), node);
 }
 
+PathPoint::Kind point_kind(Reader& reader, pugi::xml_node node) {
+  const std::string_view kind = node.name();
+  if (kind == "PathPoint" || kind == "MusclePoint") return PathPoint::Kind::kFixed;
+  if (kind == "ConditionalPathPoint" || kind == "MuscleViaPoint") {
+    return PathPoint::Kind::kConditional;
+  }
+  if (kind == "MovingPathPoint" || kind == "MovingMusclePoint") return PathPoint::Kind::kMoving;
+  reader.xml.fail(
+      node,
+      {fmt::format("<{}> is a kind of path point that is not supported", node.name()),
+       "PathPoint, ConditionalPathPoint or MovingPathPoint", "", "Replace it by a PathPoint."});
+}
+
 PathPoint read_path_point(Reader& reader, pugi::xml_node node, const std::string& owner) {
   PathPoint point;
   point.name = name_of(node);
-  const std::string_view kind = node.name();
+  point.kind = point_kind(reader, node);
   const std::string reference = frame_reference(reader.xml, node, "parent_frame", "body");
   if (reference.empty()) {
     reader.xml.fail(node, {fmt::format("a path point of '{}' names no body", owner),
-                           "<socket_parent_frame> or <body>", "", ""});
+                           "<socket_parent_frame> or <body> with a body's name", "",
+                           "Name the body that carries the point."});
   }
   const FixedFrame frame = reader.frames.resolve(reference, "", node);
   point.body = frame.body;
   point.p_BP = frame.X_BF * reader.xml.vector3(node, "location").value_or(Eigen::Vector3d::Zero());
-  if (kind == "ConditionalPathPoint" || kind == "MuscleViaPoint") {
-    point.kind = PathPoint::Kind::kConditional;
-    read_condition(reader, node, point);
-  } else if (kind == "MovingPathPoint" || kind == "MovingMusclePoint") {
-    point.kind = PathPoint::Kind::kMoving;
-    read_moving_location(reader, node, point);
-  } else if (kind != "PathPoint" && kind != "MusclePoint") {
-    reader.xml.fail(node,
-                    {fmt::format("<{}> is a kind of path point that is not supported", node.name()),
-                     "PathPoint, ConditionalPathPoint or MovingPathPoint", "", ""});
-  }
+  if (point.kind == PathPoint::Kind::kConditional) read_condition(reader, node, point);
+  if (point.kind == PathPoint::Kind::kMoving) read_moving_location(reader, node, point);
   return point;
 }
 
@@ -90,7 +96,7 @@ void read_path(Reader& reader, pugi::xml_node node, pugi::xml_node path) {
   }
   if (element.points.size() < 2) {
     xml.fail(node, {fmt::format("the path of '{}' has too few points", element.name), "2 or more",
-                    std::to_string(element.points.size()), ""});
+                    std::to_string(element.points.size()), "Add points, or remove the muscle."});
   }
   const char* wraps = path.child("MuscleWrapSet") ? "MuscleWrapSet" : "PathWrapSet";
   for (const pugi::xml_node wrap : set_members(path, wraps)) {

@@ -84,8 +84,8 @@ FixedFrame FrameTable::resolve_reference(const std::string& reference,
                                          int depth) const {
   const Entry* entry = find(reference, owner_name);
   if (entry == nullptr) {
-    xml_.fail(node, {fmt::format("'{}' refers to a body or frame that the model does not have",
-                                 name_of(node)),
+    xml_.fail(node, {fmt::format("<{}> '{}' refers to a body or frame that the model does not have",
+                                 node.name(), name_of(node)),
                      "the name of a body, ground or an offset frame", reference,
                      "Correct the name or add the body."});
   }

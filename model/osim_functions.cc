@@ -12,7 +12,7 @@ std::vector<double> required_numbers(const XmlFile& xml, pugi::xml_node element,
   const pugi::xml_node child = element.child(name);
   if (!child) {
     xml.fail(element, {fmt::format("<{}> has no <{}>", element.name(), name),
-                       fmt::format("a <{}> element with its values", name), "", ""});
+                       fmt::format("a <{}> element with its values", name), "", "Add the values."});
   }
   return xml.numbers(child);
 }
@@ -20,8 +20,8 @@ std::vector<double> required_numbers(const XmlFile& xml, pugi::xml_node element,
 double required_number(const XmlFile& xml, pugi::xml_node element, const char* name) {
   const std::optional<double> value = xml.number(element, name);
   if (!value) {
-    xml.fail(element,
-             {fmt::format("<{}> has no <{}>", element.name(), name), "one number", "", ""});
+    xml.fail(element, {fmt::format("<{}> has no <{}>", element.name(), name), "one number", "",
+                       "Add the value."});
   }
   return *value;
 }
@@ -30,8 +30,9 @@ LinearFunction read_linear(const XmlFile& xml, pugi::xml_node element) {
   if (!element.child("coefficients")) return {};
   const std::vector<double> c = required_numbers(xml, element, "coefficients");
   if (c.size() != 2) {
-    xml.fail(element, {"<LinearFunction> has the wrong number of coefficients",
-                       "2 (slope and intercept)", std::to_string(c.size()), ""});
+    xml.fail(element,
+             {"<LinearFunction> has the wrong number of coefficients", "2 (slope and intercept)",
+              std::to_string(c.size()), "Use a PolynomialFunction for higher powers."});
   }
   return {c[0], c[1]};
 }
@@ -52,8 +53,9 @@ GcvSpline read_gcv_spline(const XmlFile& xml, pugi::xml_node element) {
 ScalarFunction read_multiplier(const XmlFile& xml, pugi::xml_node element) {
   const std::optional<ScalarFunction> inner = find_function(xml, element, "function");
   if (!inner) {
-    xml.fail(element, {"<MultiplierFunction> has no function in it",
-                       "a <function> element with a function such as SimmSpline", "", ""});
+    xml.fail(element,
+             {"<MultiplierFunction> has no function in it",
+              "a <function> element with a function such as SimmSpline", "", "Add the function."});
   }
   ScalarFunction scaled = *inner;
   scaled.scale *= xml.number(element, "scale").value_or(1.0);

@@ -81,7 +81,8 @@ RawJoint read_nested_joint(Reader& reader, pugi::xml_node node, const std::strin
   const std::string parent = reader.xml.text(node, "parent_body");
   if (parent.empty()) {
     reader.xml.fail(node, {fmt::format("joint '{}' names no parent", raw.joint.name),
-                           "<parent_body> with a body's name", "", ""});
+                           "<parent_body> with a body's name", "",
+                           "Name the body that the joint hangs on, or ground."});
   }
   const FixedFrame frame = reader.frames.resolve(parent, "", node);
   raw.joint.parent = frame.body;
@@ -104,7 +105,8 @@ RawJoint read_socket_joint(Reader& reader, pugi::xml_node node) {
     if (reference.empty()) reference = frame_reference(reader.xml, node, old_socket, old_socket);
     if (reference.empty()) {
       reader.xml.fail(node, {fmt::format("joint '{}' names no {}", raw.joint.name, socket),
-                             fmt::format("<socket_{}> with a frame", socket), "", ""});
+                             fmt::format("<socket_{}> with a body or frame", socket), "",
+                             "Name the body that the joint connects there."});
     }
     const FixedFrame found = reader.frames.resolve(reference, raw.joint.name, node);
     body = found.body;
@@ -214,7 +216,7 @@ Coordinate read_coordinate(Reader& reader, pugi::xml_node node) {
   if (!std::isfinite(c.default_value)) {
     xml.fail(node.child("default_value"),
              {fmt::format("coordinate '{}' has an unusable default", c.name), "a finite number",
-              xml.text(node, "default_value"), ""});
+              xml.text(node, "default_value"), "Correct the value."});
   }
   c.clamped = xml.boolean(node, "clamped").value_or(false);
   c.locked = xml.boolean(node, "locked").value_or(false);
@@ -222,7 +224,7 @@ Coordinate read_coordinate(Reader& reader, pugi::xml_node node) {
     const std::vector<double> values = xml.numbers(range);
     if (values.size() != 2 || !(values[0] <= values[1])) {
       xml.fail(range, {fmt::format("the range of coordinate '{}' is unusable", c.name),
-                       "two numbers, the lower first", xml.text(range), ""});
+                       "two numbers, the lower first", xml.text(range), "Correct the range."});
     }
     c.range_min = values[0];
     c.range_max = values[1];
@@ -278,7 +280,8 @@ std::vector<std::pair<std::string, pugi::xml_node>> transform_axes(Reader& reade
     std::size_t& next =
         reader.xml.boolean(axis, "is_rotation").value_or(false) ? next_rotation : next_translation;
     if (next_rotation > 3 || next_translation > 6) {
-      reader.xml.fail(axis, {"more than three axes of a kind in one joint", "3 at most", "", ""});
+      reader.xml.fail(axis, {"more than three axes of a kind in one joint", "3 at most", "",
+                             "Split the joint in two with a massless body between."});
     }
     axes[next] = {kNames[next], axis};
     ++next;
@@ -292,7 +295,8 @@ void read_axis(Reader& reader, Joint& joint, std::size_t slot, pugi::xml_node no
   axis.axis = reader.xml.vector3(node, "axis").value_or(Eigen::Vector3d::Unit(slot % 3));
   if (!axis.axis.allFinite() || axis.axis.norm() == 0.0) {
     reader.xml.fail(node, {fmt::format("an axis of joint '{}' has no direction", joint.name),
-                           "a vector that is not zero", reader.xml.text(node, "axis"), ""});
+                           "a vector that is not zero", reader.xml.text(node, "axis"),
+                           "Give the axis a direction."});
   }
   std::vector<std::string> names = reader.xml.words(node, "coordinates");
   if (names.empty()) names = reader.xml.words(node, "coordinate");
@@ -424,7 +428,8 @@ void read_joint_coordinates(Reader& reader, RawJoint& raw) {
   if (static_cast<int>(joint.coordinates.size()) > joint_class->coordinate_count) {
     reader.xml.fail(raw.node, {fmt::format("joint '{}' has too many coordinates", joint.name),
                                std::to_string(joint_class->coordinate_count),
-                               std::to_string(joint.coordinates.size()), ""});
+                               std::to_string(joint.coordinates.size()),
+                               "Remove coordinates, or use a CustomJoint."});
   }
   for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
     model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].motion =
@@ -434,9 +439,10 @@ void read_joint_coordinates(Reader& reader, RawJoint& raw) {
   if (joint.kind == Joint::Kind::kEllipsoid) {
     const auto radii = reader.xml.vector3(raw.node, "radii_x_y_z");
     if (!radii || !(radii->minCoeff() > 0.0)) {
-      reader.xml.fail(raw.node, {fmt::format("ellipsoid joint '{}' has unusable radii", joint.name),
-                                 "three positive numbers in <radii_x_y_z>",
-                                 reader.xml.text(raw.node, "radii_x_y_z"), ""});
+      reader.xml.fail(raw.node,
+                      {fmt::format("ellipsoid joint '{}' has unusable radii", joint.name),
+                       "three positive numbers in <radii_x_y_z>",
+                       reader.xml.text(raw.node, "radii_x_y_z"), "Give the radii in metres."});
     }
     joint.radii = *radii;
   }
@@ -495,9 +501,10 @@ int coordinate_index(const Reader& reader, const std::string& reference, pugi::x
   }
   if (index < 0) index = reader.model.find_coordinate(name);
   if (index < 0) {
-    reader.xml.fail(node, {fmt::format("'{}' refers to a coordinate that the model does not have",
-                                       name_of(node)),
-                           "the name of a coordinate", reference, "Correct the name."});
+    reader.xml.fail(node,
+                    {fmt::format("<{}> '{}' refers to a coordinate that the model does not have",
+                                 node.name(), name_of(node)),
+                     "the name of a coordinate", reference, "Correct the name."});
   }
   return index;
 }
