@@ -26,15 +26,15 @@ Eigen::Matrix3d rotation_of(const double* q) {
 }
 
 struct StepValue {
-  double value, slope;
+  double value, slope, curvature;
 };
 
 StepValue evaluate(const KinematicTree& tree, const Step& step, const std::vector<double>& q) {
-  if (step.q < 0) return {step.constant, 0.0};
+  if (step.q < 0) return {step.constant, 0.0, 0.0};
   const double x = q[static_cast<std::size_t>(step.q)];
-  if (step.function < 0) return {x, 1.0};
+  if (step.function < 0) return {x, 1.0, 0.0};
   const auto d = tree.functions[static_cast<std::size_t>(step.function)].evaluate(x);
-  return {d.f, d.df};
+  return {d.f, d.df, d.ddf};
 }
 
 void couple(const KinematicTree& tree, KinematicWorkspace& ws) {
@@ -53,37 +53,46 @@ void add_turn(Vector6d& column, const Eigen::Vector3d& w, const Eigen::Vector3d&
   column.tail<3>() += w.cross(p_MB);
 }
 
+// Keeps a step's own column and adds its share to the column of the coordinate that drives it.
+void record_step(KinematicWorkspace& ws, std::size_t index, const Step& step, const StepValue& at,
+                 const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
+  Vector6d& twist = ws.step_twist[index];
+  twist << w, v;
+  ws.step_slope[index] = at.slope;
+  ws.step_curvature[index] = at.curvature;
+  ws.S[static_cast<std::size_t>(step.v)] += at.slope * twist;
+}
+
 template <bool kWithColumns>
 void pose_of_steps(const KinematicTree& tree, KinematicWorkspace& ws, const Link& link,
                    const RigidTransform& X_WF, RigidTransform& X_WM) {
-  Eigen::Vector3d axis_W[3];  // of the turns, and their slopes
-  double slope[3];
-  const Step* step = tree.steps.data() + link.first_step;
+  const auto first = static_cast<std::size_t>(link.first_step);
+  const auto turns = static_cast<std::size_t>(link.rotation_count);
+  const auto all = turns + static_cast<std::size_t>(link.translation_count);
+  Eigen::Vector3d axis_W[3];
+  StepValue angle[3];
   X_WM = X_WF;
-  for (int i = 0; i < link.rotation_count; ++i) {
-    const StepValue angle = evaluate(tree, step[i], ws.q);
-    if constexpr (kWithColumns) {
-      axis_W[i] = X_WM.R * step[i].axis;
-      slope[i] = angle.slope;
-    }
-    X_WM.R = X_WM.R * turn(step[i].axis, angle.value);
+  for (std::size_t i = 0; i < turns; ++i) {
+    const Step& step = tree.steps[first + i];
+    angle[i] = evaluate(tree, step, ws.q);
+    if constexpr (kWithColumns) axis_W[i] = X_WM.R * step.axis;
+    X_WM.R = X_WM.R * turn(step.axis, angle[i].value);
   }
-  const Step* shift = step + link.rotation_count;
-  for (int i = 0; i < link.translation_count; ++i) {
-    const StepValue length = evaluate(tree, shift[i], ws.q);
-    const Eigen::Vector3d direction = X_WF.R * shift[i].axis;
+  for (std::size_t i = turns; i < all; ++i) {
+    const Step& step = tree.steps[first + i];
+    const StepValue length = evaluate(tree, step, ws.q);
+    const Eigen::Vector3d direction = X_WF.R * step.axis;
     X_WM.p += length.value * direction;
     if constexpr (kWithColumns) {
-      if (shift[i].v >= 0) {
-        ws.S[static_cast<std::size_t>(shift[i].v)].tail<3>() += length.slope * direction;
-      }
+      if (step.v >= 0) record_step(ws, first + i, step, length, Eigen::Vector3d::Zero(), direction);
     }
   }
   if constexpr (kWithColumns) {
     const Eigen::Vector3d p_MB = X_WM.R * link.X_MB.p;
-    for (int i = 0; i < link.rotation_count; ++i) {
-      if (step[i].v < 0) continue;
-      add_turn(ws.S[static_cast<std::size_t>(step[i].v)], slope[i] * axis_W[i], p_MB);
+    for (std::size_t i = 0; i < turns; ++i) {
+      const Step& step = tree.steps[first + i];
+      if (step.v < 0) continue;
+      record_step(ws, first + i, step, angle[i], axis_W[i], axis_W[i].cross(p_MB));
     }
   }
 }
@@ -145,7 +154,6 @@ void update(const KinematicTree& tree, KinematicWorkspace& ws) {
         break;
       case Kind::kSteps:
         pose_of_steps<kWithColumns>(tree, ws, link, X_WF, X_WM);
-        break;
       case Kind::kEllipsoid:
         pose_of_ellipsoid<kWithColumns>(tree, ws, link, X_WF, X_WM);
         break;
@@ -154,7 +162,6 @@ void update(const KinematicTree& tree, KinematicWorkspace& ws) {
         pose_of_quaternion<kWithColumns>(ws, link, X_WF, X_WM);
         break;
     }
-    ws.p_WM[b] = X_WM.p;
     ws.X_WB[b] = X_WM * link.X_MB;
   }
 }
@@ -164,8 +171,10 @@ void update(const KinematicTree& tree, KinematicWorkspace& ws) {
 KinematicWorkspace::KinematicWorkspace(const KinematicTree& tree)
     : q(tree.default_q),
       X_WB(tree.links.size()),
-      p_WM(tree.links.size(), Eigen::Vector3d::Zero()),
       S(static_cast<std::size_t>(tree.v_count()), Vector6d::Zero()),
+      step_twist(tree.steps.size(), Vector6d::Zero()),
+      step_slope(tree.steps.size(), 0.0),
+      step_curvature(tree.steps.size(), 0.0),
       coupling_slope(tree.couplings.size(), 0.0),
       F(tree.links.size(), Vector6d::Zero()),
       f(tree.links.size(), Vector6d::Zero()),

@@ -96,9 +96,12 @@ KinematicTree compile_tree(const MusculoskeletalModel& model,
 /// All that changes while solving, sized once.
 struct KinematicWorkspace {
   std::vector<double> q;
-  std::vector<RigidTransform> X_WB;    // links
-  std::vector<Eigen::Vector3d> p_WM;   // links: origin of the joint's frame M
-  std::vector<Vector6d> S;             // v: twist of the link per unit v, world axes, at its origin
+  std::vector<RigidTransform> X_WB;  // links
+  std::vector<Vector6d> S;           // v: twist of the link per unit v, world axes, at its origin
+  // Steps that move: twist of the link per unit of the step's own length or angle, and the first
+  // and second derivative of that by the coordinate. What the second derivatives of the cost need.
+  std::vector<Vector6d> step_twist;
+  std::vector<double> step_slope, step_curvature;
   std::vector<double> coupling_slope;  // couplings: d dependent / d independent
   std::vector<Vector6d> F;             // links: wrench on the link, world axes, at its origin
   std::vector<Vector6d> f;             // links: F accumulated inward
