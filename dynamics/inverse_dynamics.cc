@@ -1,18 +1,21 @@
 #include "dynamics/inverse_dynamics.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "dynamics/butterworth.h"
+#include "dynamics/custom_joint_correction.h"
 
 namespace sinew {
 namespace {
@@ -57,6 +60,7 @@ struct Workspace {
   SimTK::Vector q_dot, q_ddot, u, u_dot, n_dot_u;     // in the State's order
   SimTK::Vector no_mobility_forces, residual, tau_q;  // "
   SimTK::Vector_<SimTK::SpatialVec> F_B_W;            // by mobilized body
+  std::vector<SimTK::SpatialVec> errors;              // by body, see CustomJointCorrection
   std::vector<double> q, v, a, tau;                   // by coordinate
 
   explicit Workspace(const SimbodyModel& compiled)
@@ -70,6 +74,7 @@ struct Workspace {
         residual(state.getNU(), 0.0),
         tau_q(state.getNQ(), 0.0),
         F_B_W(compiled.matter().getNumBodies()),
+        errors(static_cast<std::size_t>(compiled.body_count())),
         q(static_cast<std::size_t>(compiled.coordinate_count())),
         v(q.size()),
         a(q.size()),
@@ -79,9 +84,11 @@ struct Workspace {
 class Solver {
  public:
   Solver(const MusculoskeletalModel& model, const SimbodyModel& compiled,
-         const CoordinateSpline& motion, const ExternalLoads& loads, bool project_couplers)
+         const CoordinateSpline& motion, const ExternalLoads& loads,
+         const InverseDynamicsOptions& options)
       : model_(model), compiled_(compiled), motion_(motion), loads_(loads) {
-    if (project_couplers) couplers_ = ordered_couplers(model);
+    if (options.project_couplers) couplers_ = ordered_couplers(model);
+    if (options.exact_custom_joints) correction_.emplace(model, compiled);
   }
 
   const std::vector<CompiledCoupler>& couplers() const { return couplers_; }
@@ -94,6 +101,7 @@ class Solver {
     w.F_B_W.setToZero();
     add_gravity(w);
     loads_.add_body_forces(t, compiled_, w.state, w.F_B_W);
+    if (correction_) correction_->add_body_forces(w.q, w.v, w.state, w.errors, w.F_B_W);
     const SimTK::SimbodyMatterSubsystem& matter = compiled_.matter();
     matter.calcResidualForceIgnoringConstraints(w.state, w.no_mobility_forces, w.F_B_W, w.u_dot,
                                                 w.residual);
@@ -156,6 +164,7 @@ class Solver {
   const SimbodyModel& compiled_;
   const CoordinateSpline& motion_;
   const ExternalLoads& loads_;
+  std::optional<CustomJointCorrection> correction_;
   std::vector<CompiledCoupler> couplers_;
 };
 
@@ -242,7 +251,7 @@ TimeTable generalized_forces(const MusculoskeletalModel& model, const SimbodyMod
   }
   if (times.size() > 0) loads.require_coverage(times.minCoeff(), times.maxCoeff());
 
-  const Solver solver(model, compiled, motion, loads, options.project_couplers);
+  const Solver solver(model, compiled, motion, loads, options);
   const std::vector<std::size_t> reported = reported_coordinates(count, solver.couplers());
   TimeTable result;
   result.name = "Inverse Dynamics Generalized Forces";
@@ -261,7 +270,9 @@ TimeTable generalized_forces(const MusculoskeletalModel& model, const SimbodyMod
       }
     }
   };
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  // oneTBB complains on stderr about more threads than the machine has.
+  const int most = tbb::info::default_concurrency();
+  tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, most) : most);
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, times.size(), kGrain), solve_frames);
   });
@@ -277,6 +288,16 @@ InverseDynamicsResult inverse_dynamics(const MusculoskeletalModel& model,
   InverseDynamicsResult result;
   result.warnings = motion.warnings;
   result.warnings.insert(result.warnings.end(), loads.warnings().begin(), loads.warnings().end());
+  const auto affected = CustomJointCorrection::affected_joints(model);
+  if (!affected.empty() && !options.exact_custom_joints) {
+    result.warnings.push_back(
+        {{model.name, 0},
+         fmt::format(
+             "Simbody, and so OpenSim, gets accelerations wrong in custom joints whose turns "
+             "share a coordinate or follow another order than the coordinates: {}. Choose "
+             "exact custom joints for torques that match the motion's energy",
+             fmt::join(affected, ", "))});
+  }
   result.forces =
       generalized_forces(model, compiled, spline, loads, frames_in_range(motion, options), options);
   return result;
