@@ -225,6 +225,15 @@ void check_link(const KinematicTree& tree, const char* kind, std::size_t i, int 
   }
 }
 
+void check_coordinate(const KinematicTree& tree, std::size_t i, const CoordinateResidual& r) {
+  if (r.v < 0 || r.v >= tree.v_count() || r.q < 0 ||
+      tree.q_of_v[static_cast<std::size_t>(r.v)] != r.q) {
+    reject("coordinate", i,
+           fmt::format("is on coordinate {} with direction {}; expected one of the tree's own", r.q,
+                       r.v));
+  }
+}
+
 void check_weight(const char* kind, std::size_t i, double weight) {
   if (!std::isfinite(weight) || weight < 0.0) {
     reject(kind, i, fmt::format("has weight {}; expected a finite number, 0 or more", weight));
@@ -268,7 +277,18 @@ void validate(const KinematicTree& tree, const IkProblem& problem, const IkTarge
     check_weight("distance", i, problem.distances[i].weight);
   }
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
+    check_coordinate(tree, i, problem.coordinates[i]);
     check_weight("coordinate", i, problem.coordinates[i].weight);
+  }
+  for (std::size_t i = 0; i < problem.coincidences.size(); ++i) {
+    check_link(tree, "coincidence", i, problem.coincidences[i].link_a);
+    check_link(tree, "coincidence", i, problem.coincidences[i].link_b);
+    check_weight("coincidence", i, problem.coincidences[i].weight);
+  }
+  for (std::size_t i = 0; i < problem.alignments.size(); ++i) {
+    check_link(tree, "alignment", i, problem.alignments[i].link_a);
+    check_link(tree, "alignment", i, problem.alignments[i].link_b);
+    check_weight("alignment", i, problem.alignments[i].weight);
   }
 }
 
