@@ -154,6 +154,7 @@ void update(const KinematicTree& tree, KinematicWorkspace& ws) {
         break;
       case Kind::kSteps:
         pose_of_steps<kWithColumns>(tree, ws, link, X_WF, X_WM);
+        break;
       case Kind::kEllipsoid:
         pose_of_ellipsoid<kWithColumns>(tree, ws, link, X_WF, X_WM);
         break;
