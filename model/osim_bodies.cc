@@ -31,11 +31,18 @@ std::array<double, 6> read_inertia_components(const XmlFile& xml, pugi::xml_node
   return components;
 }
 
-// Real inertias obey the triangle inequalities; rounding in files breaks them by little.
-bool is_physical(const Eigen::Matrix3d& I) {
-  const Eigen::Vector3d m = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I).eigenvalues();
-  const double slack = 1e-8 * std::max(1.0, m.sum());  // Simbody's own slack is of this order
-  return m[0] >= -slack && m[0] + m[1] >= m[2] - slack;
+// Moments of a real body are positive and none exceeds the sum of the others. Simbody insists on
+// it; OpenSim's releases compute with whatever stands in the file. The inertia returned is one that
+// Simbody accepts and that leaves the largest moment, which matters most, as it is.
+Eigen::Matrix3d nearest_physical(const Eigen::Matrix3d& I) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
+  Eigen::Vector3d moments = principal.eigenvalues();  // increasing
+  if (moments[0] >= 0.0 && moments[0] + moments[1] >= moments[2]) return I;
+  moments = moments.cwiseMax(0.0);
+  const double missing = std::max(0.0, moments[2] - moments[0] - moments[1]);
+  moments.head<2>().array() += 0.5 * missing;
+  const Eigen::Matrix3d& R = principal.eigenvectors();
+  return R * moments.asDiagonal() * R.transpose();
 }
 
 Eigen::Matrix3d read_inertia(Reader& reader, pugi::xml_node node, double mass) {
@@ -54,15 +61,17 @@ Eigen::Matrix3d read_inertia(Reader& reader, pugi::xml_node node, double mass) {
     }
     return Eigen::Matrix3d::Zero();
   }
-  if (!is_physical(I)) {
-    // As OpenSim repairs it, so that published results on such models can be met.
-    const double diagonal = Eigen::Vector3d(c[0], c[1], c[2]).norm() / std::sqrt(3.0);
+  const Eigen::Matrix3d physical = nearest_physical(I);
+  constexpr double kRounding = 1e-5;  // files hold six digits
+  if ((physical - I).norm() > kRounding * I.norm()) {
     reader.warn(node, fmt::format("the inertia of body '{}' ({} {} {} {} {} {}) belongs to no real "
-                                  "body; {} about every axis is used instead",
-                                  name_of(node), c[0], c[1], c[2], c[3], c[4], c[5], diagonal));
-    return diagonal * Eigen::Matrix3d::Identity();
+                                  "body; the nearest that does ({:.6g} {:.6g} {:.6g} {:.6g} {:.6g} "
+                                  "{:.6g}) is used",
+                                  name_of(node), c[0], c[1], c[2], c[3], c[4], c[5], physical(0, 0),
+                                  physical(1, 1), physical(2, 2), physical(0, 1), physical(0, 2),
+                                  physical(1, 2)));
   }
-  return I;
+  return physical;
 }
 
 Body read_body(Reader& reader, pugi::xml_node node) {
