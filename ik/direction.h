@@ -42,8 +42,13 @@ class Direction {
   /// The cost's decrease that the method's own model expects of the whole step d; NaN without one.
   virtual double expected_decrease() const { return kNaN; }
 
-  /// Tells how the last direction fared: the accepted length (0: none was) and the decrease.
+  /// Tells how the last direction fared: the accepted length and the decrease there, or 0 and what
+  /// the first length gave (negative; −infinity if it was not a number) where none was accepted.
   virtual void learn(double /*accepted_length*/, double /*actual_decrease*/) {}
+
+  /// True for methods that would rather be asked for another direction, after learn(0, …), than be
+  /// followed less far. compute() then comes again with the same iterate.
+  virtual bool wants_retry() const { return false; }
 };
 
 }  // namespace sinew

@@ -1,11 +1,8 @@
 #include "ik/minimizer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <stdexcept>
+#include <utility>
 
 namespace sinew {
 namespace {
@@ -17,26 +14,14 @@ constexpr double kArmijo = 1e-4;
 // squares.
 constexpr double kCostRounding = 1e-14;
 
-// No step turns a joint further than this [rad]. Far from the data the quadratic model promises
-// turns of many radians, which end in other minima. Measured on 1000 frames of the five published
-// trials, half from the default pose, half from random ones: Gauss-Newton reaches the best minimum
-// from 92 % of them without a bound, L-BFGS from 53 %; bounded by 1.0 from 99 and 80 %, by 0.7 from
-// 99 and 89 %, by 0.5 from 99 and 84 %. Solving from the frame before is never bounded.
-constexpr double kLargestTurn = 0.7;
-
 // Halving 60 times passes the spacing of doubles.
 constexpr int kMaxTrials = 60;
 
-std::unique_ptr<Direction> make_direction(const KinematicTree& tree,
-                                          const MinimizerOptions& options) {
-  switch (options.method) {
-    case Method::kLbfgs:
-      return std::make_unique<Lbfgs>(tree, options.lbfgs);
-    case Method::kGaussNewton:
-      return std::make_unique<GaussNewton>(tree, options.gauss_newton);
-  }
-  throw std::invalid_argument("MinimizerOptions.method is no method");
-}
+// A method that asks again multiplies its damping by 2, 4, 8, …: after ten times by 2^55.
+constexpr int kMaxRetries = 10;
+
+// A parabola is trusted this far beyond the length that it was drawn through.
+constexpr double kLargestGrowth = 10.0;
 
 // Weights set the scale of the gradient, so the tolerance follows their sum.
 double weight_scale(const IkProblem& problem) {
@@ -50,86 +35,12 @@ double weight_scale(const IkProblem& problem) {
   return std::max(1.0, sum);
 }
 
-struct MethodName {
-  Method method;
-  const char* name;
-};
-constexpr MethodName kMethods[] = {{Method::kLbfgs, "lbfgs"},
-                                   {Method::kGaussNewton, "gauss-newton"}};
+double tolerance_of(const MinimizerOptions& options, const IkProblem& problem) {
+  const bool scaled = options.test == GradientTest::kLargestEntry;
+  return options.gradient_tolerance * (scaled ? weight_scale(problem) : 1.0);
+}
 
 }  // namespace
-
-const char* to_string(Method method) {
-  for (const MethodName& m : kMethods) {
-    if (m.method == method) return m.name;
-  }
-  return "unknown";
-}
-
-Method method_from_string(const std::string& name) {
-  std::string names;
-  for (const MethodName& m : kMethods) {
-    if (name == m.name) return m.method;
-    names += std::string(names.empty() ? "" : ", ") + m.name;
-  }
-  throw std::invalid_argument(
-      fmt::format("there is no method '{}'; expected one of {}", name, names));
-}
-
-const char* to_string(Termination termination) {
-  switch (termination) {
-    case Termination::kNone:
-      return "none";
-    case Termination::kGradient:
-      return "gradient";
-    case Termination::kCostChange:
-      return "cost-change";
-    case Termination::kStalled:
-      return "stalled";
-    case Termination::kMaxIterations:
-      return "max-iterations";
-    case Termination::kNotFinite:
-      return "not-finite";
-  }
-  return "unknown";
-}
-
-std::string Summary::message() const {
-  switch (termination) {
-    case Termination::kGradient:
-      return fmt::format("converged: the gradient's largest entry is {:.3g}", gradient_norm);
-    case Termination::kCostChange:
-      return fmt::format("converged: the cost no longer changes at {:.6g}", final_cost);
-    case Termination::kStalled:
-      return fmt::format(
-          "no step lowers the cost {:.6g} further; the gradient's largest entry is "
-          "{:.3g}",
-          final_cost, gradient_norm);
-    case Termination::kMaxIterations:
-      return fmt::format(
-          "not converged after {} iterations; the gradient's largest entry is {:.3g}", iterations,
-          gradient_norm);
-    case Termination::kNotFinite:
-      return "the cost or its gradient is not a number at the start";
-    case Termination::kNone:
-      break;
-  }
-  return "not started";
-}
-
-void MinimizerOptions::validate() const {
-  const auto reject = [](const char* field, double value, const char* bound) {
-    throw std::invalid_argument(
-        fmt::format("MinimizerOptions.{} is {}; expected {}", field, value, bound));
-  };
-  if (!(gradient_tolerance >= 0.0)) reject("gradient_tolerance", gradient_tolerance, "0 or more");
-  if (!(cost_tolerance >= 0.0)) reject("cost_tolerance", cost_tolerance, "0 or more");
-  if (max_iterations < 1) reject("max_iterations", max_iterations, "1 or more");
-  if (lbfgs.memory < 1) reject("lbfgs.memory", lbfgs.memory, "1 or more");
-  if (!(gauss_newton.damping > 0.0)) {
-    reject("gauss_newton.damping", gauss_newton.damping, "more than 0");
-  }
-}
 
 Minimizer::Minimizer(const KinematicTree& tree, const IkProblem& problem,
                      const MinimizerOptions& options)
@@ -137,35 +48,32 @@ Minimizer::Minimizer(const KinematicTree& tree, const IkProblem& problem,
       problem_(problem),
       options_(options),
       workspace_(tree),
+      trial_(tree),
       d_(tree.unknown_count()),
       step_(tree.unknown_count()),
       g_raw_(tree.unknown_count()),
-      g_new_(tree.unknown_count()),
+      g_trial_(tree.unknown_count()),
       jacobian_(3, tree.unknown_count()),
-      q_(tree.default_q),
-      q_new_(tree.default_q),
-      tolerance_(options.gradient_tolerance * weight_scale(problem)) {
+      iterate_{.tree = tree,
+               .problem = problem,
+               .targets = nullptr,
+               .workspace = workspace_,
+               .g = Eigen::VectorXd(tree.unknown_count()),
+               .s = Eigen::VectorXd(tree.unknown_count()),
+               .y = Eigen::VectorXd(tree.unknown_count()),
+               .previous_d = Eigen::VectorXd(tree.unknown_count()),
+               .held = std::vector<char>(static_cast<std::size_t>(tree.unknown_count()), 0)},
+      tolerance_(tolerance_of(options, problem)) {
   options_.validate();
-  direction_ = make_direction(tree, options_);
-  const int n = tree.unknown_count();
-  iterate_ = std::make_unique<Iterate>(Iterate{
-      tree_, problem_, nullptr, workspace_, 0, kNaN, Eigen::VectorXd(n), Eigen::VectorXd(n),
-      Eigen::VectorXd(n), Eigen::VectorXd(n), std::vector<char>(static_cast<std::size_t>(n), 0)});
+  direction_ = make_direction(tree, problem, options_);
 }
 
-double Minimizer::evaluate(const IkTargets& targets, Eigen::VectorXd& g) {
+double Minimizer::gradient(const IkTargets& targets, KinematicWorkspace& ws, Eigen::VectorXd& g) {
   ++summary_.evaluations;
-  update_kinematics(tree_, workspace_);
+  update_kinematics(tree_, ws);
   return options_.gradient == GradientKind::kDecomposed
-             ? decomposed_gradient(tree_, problem_, targets, workspace_, g)
-             : jacobian_gradient(tree_, problem_, targets, workspace_, jacobian_, g);
-}
-
-double Minimizer::evaluate_at(const IkTargets& targets, double length, Eigen::VectorXd& g) {
-  step_ = length * d_;
-  advance(tree_, q_, {step_.data(), static_cast<std::size_t>(step_.size())}, q_new_);
-  std::copy(q_new_.begin(), q_new_.end(), workspace_.q.begin());
-  return evaluate(targets, g);
+             ? decomposed_gradient(tree_, problem_, targets, ws, g)
+             : jacobian_gradient(tree_, problem_, targets, ws, jacobian_, g);
 }
 
 void Minimizer::hold_bounds(Iterate& at) const {
@@ -175,7 +83,7 @@ void Minimizer::hold_bounds(Iterate& at) const {
     at.g[x] = g_raw_[x];
     at.held[i] = 0;
     if (q < 0) continue;
-    const double value = q_[static_cast<std::size_t>(q)];
+    const double value = workspace_.q[static_cast<std::size_t>(q)];
     if ((value <= tree_.lower[i] && g_raw_[x] > 0.0) ||
         (value >= tree_.upper[i] && g_raw_[x] < 0.0)) {
       at.held[i] = 1;
@@ -184,50 +92,104 @@ void Minimizer::hold_bounds(Iterate& at) const {
   }
 }
 
-// How far along d until the first joint has turned by kLargestTurn.
+// How far along d until the first joint has turned by the largest turn.
 double Minimizer::length_to_largest_turn() const {
   double turn = 1e-300;  // of the fastest joint at length 1
   for (Eigen::Index x = 0; x < d_.size(); ++x) {
     const auto v = static_cast<std::size_t>(tree_.unknown_v[static_cast<std::size_t>(x)]);
     turn = std::max(turn, workspace_.S[v].head<3>().norm() * std::abs(d_[x]));
   }
-  return kLargestTurn / turn;
+  return options_.largest_turn / turn;
 }
 
-// Backtracks from the first length until Armijo's condition holds for the clipped step; the first
-// shortening goes to the minimum of the parabola through f(0), f'(0) and f(length), later ones
-// bisect.
-bool Minimizer::search(Iterate& at) {
-  length_ = std::min(direction_->scales_its_step() ? 1.0 : last_length_, length_to_largest_turn());
-  for (int trial = 0; trial < kMaxTrials; ++trial) {
-    f_new_ = evaluate_at(*at.targets, length_, g_new_);
-    double slope = 0.0;  // g · (the step really taken)
-    for (Eigen::Index x = 0; x < d_.size(); ++x) {
-      const int q =
-          tree_.q_of_v[static_cast<std::size_t>(tree_.unknown_v[static_cast<std::size_t>(x)])];
-      const double taken =
-          q < 0 ? step_[x] : q_new_[static_cast<std::size_t>(q)] - q_[static_cast<std::size_t>(q)];
-      step_[x] = taken;
-      slope += at.g[x] * taken;
+// Evaluates f(q ⊞ length · d) and returns whether Armijo's condition holds for the clipped step.
+// The gradient of an accepted trial is always there afterwards; with_gradient computes both at
+// once, which is cheaper where acceptance is likely.
+bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient) {
+  length_ = length;
+  step_ = length * d_;
+  advance(tree_, workspace_.q, {step_.data(), static_cast<std::size_t>(step_.size())}, trial_.q);
+  slope_ = 0.0;
+  for (Eigen::Index x = 0; x < d_.size(); ++x) {
+    const int entry =
+        tree_.q_of_v[static_cast<std::size_t>(tree_.unknown_v[static_cast<std::size_t>(x)])];
+    if (entry >= 0) {
+      const auto q = static_cast<std::size_t>(entry);
+      step_[x] = trial_.q[q] - workspace_.q[q];
     }
-    const bool finite = std::isfinite(f_new_) && g_new_.allFinite();
-    if (finite && f_new_ <= at.f + kArmijo * slope + kCostRounding * at.f) return true;
-    const double minimizer = -0.5 * slope * length_ / (f_new_ - at.f - slope);
-    const bool parabola = trial == 0 && finite && minimizer > 0.1 * length_ && minimizer < length_;
-    length_ = parabola ? minimizer : 0.5 * length_;
+    slope_ += at.g[x] * step_[x];
+  }
+  if (with_gradient) {
+    f_trial_ = gradient(*at.targets, trial_, g_trial_);
+  } else {
+    ++summary_.evaluations;
+    update_poses(tree_, trial_);
+    f_trial_ = cost(tree_, problem_, *at.targets, trial_);
+  }
+  // False where the cost is not a number.
+  if (!(f_trial_ <= at.f + kArmijo * slope_ + kCostRounding * at.f)) return false;
+  if (!with_gradient) gradient(*at.targets, trial_, g_trial_);
+  return std::isfinite(f_trial_) && g_trial_.allFinite();
+}
+
+// The minimum of the parabola through f(q), the slope and f at the last accepted length.
+double Minimizer::interpolated_length(const Iterate& at) {
+  const double largest = length_to_largest_turn();
+  double length = std::min(last_length_, largest);
+  try_length(at, length, false);
+  for (int trial = 0; !std::isfinite(f_trial_) && trial < kMaxTrials; ++trial) {
+    length *= 0.5;
+    try_length(at, length, false);
+  }
+  const double bend = f_trial_ - at.f - slope_;
+  const double grown = kLargestGrowth * length;
+  const double minimizer = bend > 0.0 ? -0.5 * slope_ * length / bend : grown;
+  return std::min({minimizer, grown, largest});
+}
+
+bool Minimizer::backtrack(const Iterate& at) {
+  for (int trial = 0; trial < kMaxTrials; ++trial) {
+    double shorter = 0.5 * length_;
+    if (trial == 0 && std::isfinite(f_trial_)) {
+      const double minimizer = -0.5 * slope_ * length_ / (f_trial_ - at.f - slope_);
+      if (minimizer > 0.1 * length_ && minimizer < length_) shorter = minimizer;
+    }
+    if (try_length(at, shorter, false)) return true;
   }
   return false;
 }
 
+bool Minimizer::step_by_direction(Iterate& at) {
+  for (int retry = 0;; ++retry) {
+    if (!direction_->compute(at, d_)) return false;
+    const bool scaled = direction_->scales_its_step();
+    const double length =
+        scaled ? std::min(1.0, length_to_largest_turn()) : interpolated_length(at);
+    if (try_length(at, length, true)) return true;
+    if (!direction_->wants_retry() || retry == kMaxRetries) break;
+    direction_->learn(0.0, std::isfinite(f_trial_) ? at.f - f_trial_ : -HUGE_VAL);
+  }
+  if (backtrack(at)) return true;
+  direction_->learn(0.0, 0.0);
+  return false;
+}
+
+// Only a decrease beyond rounding counts, or −g would be tried for ever at the end.
+bool Minimizer::step_by_gradient(Iterate& at) {
+  direction_->start();
+  d_ = -at.g;
+  return (try_length(at, interpolated_length(at), false) || backtrack(at)) &&
+         f_trial_ < at.f * (1.0 - kCostRounding);
+}
+
 void Minimizer::accept(Iterate& at) {
-  std::swap(q_, q_new_);
+  std::swap(workspace_, trial_);
   at.s = step_;
-  at.y = g_new_ - g_raw_;
+  at.y = g_trial_ - g_raw_;
   at.previous_d = d_;
-  direction_->learn(length_, at.f - f_new_);
   last_length_ = length_;
-  at.f = f_new_;
-  std::swap(g_raw_, g_new_);
+  at.f = f_trial_;
+  std::swap(g_raw_, g_trial_);
   hold_bounds(at);
   for (Eigen::Index x = 0; x < at.g.size(); ++x) {
     if (at.held[static_cast<std::size_t>(x)]) at.s[x] = at.y[x] = 0.0;
@@ -235,66 +197,74 @@ void Minimizer::accept(Iterate& at) {
   ++at.iteration;
 }
 
+double Minimizer::gradient_norm(const Iterate& at) const {
+  if (at.g.size() == 0) return 0.0;
+  return options_.test == GradientTest::kEuclidean ? at.g.norm() : at.g.cwiseAbs().maxCoeff();
+}
+
 bool Minimizer::finished(const Iterate& at) {
-  summary_.gradient_norm = at.g.size() > 0 ? at.g.cwiseAbs().maxCoeff() : 0.0;
+  summary_.gradient_norm = gradient_norm(at);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
   if (summary_.gradient_norm < tolerance_) {
     summary_.termination = Termination::kGradient;
-  } else if (at.iteration >= options_.max_iterations) {
+  } else if (summary_.termination == Termination::kNone &&
+             at.iteration >= options_.max_iterations) {
     summary_.termination = Termination::kMaxIterations;
+  } else if (summary_.termination == Termination::kNone && elapsed.count() > options_.time_limit) {
+    summary_.termination = Termination::kTimeLimit;
   }
   return summary_.termination != Termination::kNone;
 }
 
-const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q) {
-  const auto start = std::chrono::steady_clock::now();
+void Minimizer::start_at(const IkTargets& targets, std::span<const double> q) {
+  start_ = std::chrono::steady_clock::now();
   summary_.termination = Termination::kNone;
   summary_.evaluations = 0;
+  summary_.gradient_norm = kNaN;
   summary_.rows.clear();
-  Iterate& at = *iterate_;
-  at.targets = &targets;
-  at.iteration = 0;
-  last_length_ = 1.0;
-  std::copy(q.begin(), q.end(), q_.begin());
+  std::copy(q.begin(), q.end(), workspace_.q.begin());
   for (std::size_t x = 0; x < tree_.unknown_v.size(); ++x) {  // start inside the bounds
     const int i = tree_.q_of_v[static_cast<std::size_t>(tree_.unknown_v[x])];
     if (i < 0) continue;
-    double& value = q_[static_cast<std::size_t>(i)];
+    double& value = workspace_.q[static_cast<std::size_t>(i)];
     value = std::clamp(value, tree_.lower[x], tree_.upper[x]);
   }
-  std::copy(q_.begin(), q_.end(), workspace_.q.begin());
-  at.f = summary_.initial_cost = evaluate(targets, g_raw_);
+  Iterate& at = iterate_;
+  at.targets = &targets;
+  at.iteration = 0;
+  at.f = summary_.initial_cost = gradient(targets, workspace_, g_raw_);
   hold_bounds(at);
+  last_length_ = 1.0;
   direction_->start();
   if (!std::isfinite(at.f) || !g_raw_.allFinite()) summary_.termination = Termination::kNotFinite;
-  while (summary_.termination == Termination::kNone && !finished(at)) {
-    if (!direction_->compute(at, d_)) {
-      direction_->start();
-      d_ = -at.g;
-    }
+}
+
+const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q) {
+  start_at(targets, q);
+  Iterate& at = iterate_;
+  if (summary_.termination == Termination::kNone) finished(at);
+  while (summary_.termination == Termination::kNone) {
     const double f_before = at.f;
-    if (!search(at)) {
-      direction_->learn(0.0, 0.0);
+    if (step_by_direction(at)) {
+      direction_->learn(length_, at.f - f_trial_);
+    } else if (!step_by_gradient(at)) {
       summary_.termination = Termination::kStalled;
       break;
     }
     accept(at);
     if (options_.record_iterations) {
-      summary_.rows.push_back(
-          {at.iteration, at.f, at.g.cwiseAbs().maxCoeff(), length_, at.s.norm()});
+      summary_.rows.push_back({at.iteration, at.f, gradient_norm(at), length_, at.s.norm()});
     }
     if (std::abs(f_before - at.f) < options_.cost_tolerance) {
-      summary_.gradient_norm = at.g.cwiseAbs().maxCoeff();
       summary_.termination = Termination::kCostChange;
     }
+    finished(at);
   }
-  // A failed search leaves the workspace elsewhere; callers read poses from it.
-  std::copy(q_.begin(), q_.end(), workspace_.q.begin());
-  update_kinematics(tree_, workspace_);
   std::copy(workspace_.q.begin(), workspace_.q.end(), q.begin());
   summary_.iterations = at.iteration;
   summary_.final_cost = at.f;
   summary_.held = static_cast<int>(std::count(at.held.begin(), at.held.end(), 1));
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
   summary_.seconds = elapsed.count();
   return summary_;
 }

@@ -1,0 +1,80 @@
+#include "ik/minimizer_options.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace sinew {
+namespace {
+
+struct MethodName {
+  Method method;
+  const char* name;
+};
+constexpr MethodName kMethods[] = {
+    {Method::kLbfgs, "lbfgs"},
+    {Method::kGaussNewton, "gauss-newton"},
+};
+
+}  // namespace
+
+const char* to_string(Method method) {
+  for (const MethodName& m : kMethods) {
+    if (m.method == method) return m.name;
+  }
+  return "unknown";
+}
+
+Method method_from_string(const std::string& name) {
+  for (const MethodName& m : kMethods) {
+    if (name == m.name) return m.method;
+  }
+  throw std::invalid_argument(
+      fmt::format("there is no method '{}'; expected one of {}", name, method_names()));
+}
+
+std::string method_names() {
+  std::string names;
+  for (const MethodName& m : kMethods) names += std::string(names.empty() ? "" : ", ") + m.name;
+  return names;
+}
+
+void MinimizerOptions::validate() const {
+  const auto reject = [](const char* field, double value, const char* bound) {
+    throw std::invalid_argument(
+        fmt::format("MinimizerOptions.{} is {}; expected {}", field, value, bound));
+  };
+  if (!(gradient_tolerance >= 0.0)) reject("gradient_tolerance", gradient_tolerance, "0 or more");
+  if (!(cost_tolerance >= 0.0)) reject("cost_tolerance", cost_tolerance, "0 or more");
+  if (max_iterations < 1) reject("max_iterations", max_iterations, "1 or more");
+  if (!(time_limit > 0.0)) reject("time_limit", time_limit, "more than 0");
+  if (!(largest_turn > 0.0)) reject("largest_turn", largest_turn, "more than 0");
+  if (lbfgs.memory < 1) reject("lbfgs.memory", lbfgs.memory, "1 or more");
+  if (!(gauss_newton.damping > 0.0)) {
+    reject("gauss_newton.damping", gauss_newton.damping, "more than 0");
+  }
+}
+
+MinimizerOptions paper_options(Method method) {
+  MinimizerOptions options;
+  options.method = method;
+  options.max_iterations = 100000;
+  options.cost_tolerance = 1e-12;
+  options.gradient_tolerance = 1e-12;
+  options.test = GradientTest::kEuclidean;
+  options.largest_turn = std::numeric_limits<double>::infinity();
+  return options;
+}
+
+std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkProblem&,
+                                          const MinimizerOptions& options) {
+  switch (options.method) {
+    case Method::kLbfgs:
+      return std::make_unique<Lbfgs>(tree, options.lbfgs);
+    case Method::kGaussNewton:
+      return std::make_unique<GaussNewton>(tree, options.gauss_newton);
+  }
+  throw std::invalid_argument("MinimizerOptions.method is no method");
+}
+
+}  // namespace sinew
