@@ -45,6 +45,13 @@ const JointClass* find_joint_class(std::string_view name) {
   return nullptr;
 }
 
+const JointClass* find_joint_class(Joint::Kind kind) {
+  for (const JointClass& c : kJointClasses) {
+    if (c.kind == kind) return &c;
+  }
+  return nullptr;
+}
+
 RigidTransform old_frame(const XmlFile& xml, pugi::xml_node node, const char* location,
                          const char* orientation) {
   RigidTransform X;
@@ -308,9 +315,13 @@ void read_axis(Reader& reader, Joint& joint, std::size_t slot, pugi::xml_node no
   }
   if (!names.empty()) axis.coordinate = coordinate_named(names[0]);
   const std::optional<ScalarFunction> function = find_function(reader.xml, node, "function");
-  axis.function = function               ? *function
-                  : axis.coordinate >= 0 ? ScalarFunction{LinearFunction{}}
-                                         : ScalarFunction{ConstantFunction{}};
+  axis.function = function.value_or(ScalarFunction{ConstantFunction{}});
+  if (!function && axis.coordinate >= 0) {
+    reader.warn(node,
+                fmt::format("an axis of joint '{}' names coordinate '{}' but no function; the "
+                            "coordinate does not move it, as in OpenSim 4",
+                            joint.name, names[0]));
+  }
 }
 
 bool collinear_axes(const TransformAxis& a, const TransformAxis& b) {
@@ -318,7 +329,8 @@ bool collinear_axes(const TransformAxis& a, const TransformAxis& b) {
   return a.axis.normalized().cross(b.axis.normalized()).norm() < kCollinear;
 }
 
-// An axis that the file leaves out moves nothing, but Simbody wants it independent of the others.
+// An axis that the file leaves out moves nothing, but
+// Simbody wants it independent of the others.
 void choose_free_axis(Joint& joint, const std::vector<std::pair<std::string, pugi::xml_node>>& axes,
                       std::size_t slot) {
   const std::size_t first = slot < 3 ? 0 : 3;
@@ -338,7 +350,8 @@ void require_at_most_six(Reader& reader, const RawJoint& raw) {
   if (raw.joint.coordinates.size() <= 6) return;
   reader.xml.fail(raw.node, {fmt::format("joint '{}' has too many coordinates", raw.joint.name),
                              "6 at most", std::to_string(raw.joint.coordinates.size()),
-                             "Split the joint in two with a massless body between."});
+                             "Split the joint in two with a massless body "
+                             "between."});
 }
 
 void require_independent_axes(Reader& reader, const RawJoint& raw) {
@@ -356,108 +369,141 @@ void require_independent_axes(Reader& reader, const RawJoint& raw) {
   }
 }
 
-// OpenSim 4 tells coordinates of one name in different joints apart by their paths.
+// OpenSim 4 tells coordinates of one name in different
+// joints apart by their paths.
 void make_unique(Reader& reader, const Joint& joint, Coordinate& c) {
   if (reader.model.find_coordinate(c.name) < 0) return;
   const std::string qualified = joint.name + "/" + c.name;
-  reader.model.warnings.push_back(
-      {c.source, fmt::format("another joint has a coordinate called '{}' too; this one is called "
-                             "'{}' here and in results",
-                             c.name, qualified)});
+  reader.model.warnings.push_back({c.source, fmt::format("another joint has a coordinate called "
+                                                         "'{}' too; this one is called "
+                                                         "'{}' here and in results",
+                                                         c.name, qualified)});
   c.name = qualified;
 }
 
-void read_joint_coordinates(Reader& reader, RawJoint& raw) {
-  MusculoskeletalModel& model = reader.model;
-  Joint& joint = raw.joint;
-  const int joint_index = static_cast<int>(model.joints.size());
-  std::map<std::string, int> own;  // the joint's coordinates as the file calls them
-  const auto add = [&](Coordinate c) {
-    c.joint = joint_index;
+// Adds coordinates to the model and to one joint, and
+// finds them by the names of the file.
+class JointCoordinates {
+ public:
+  JointCoordinates(Reader& reader, RawJoint& raw) : reader_(reader), raw_(raw) {}
+
+  void add(Coordinate c) {
+    MusculoskeletalModel& model = reader_.model;
     const int index = static_cast<int>(model.coordinates.size());
-    if (!own.emplace(c.name, index).second) {
-      throw InputError(
-          c.source, {fmt::format("joint '{}' has two coordinates called '{}'", joint.name, c.name),
-                     "unique names", "", "Rename one of them."});
+    c.joint = static_cast<int>(model.joints.size());
+    if (!index_by_name_.emplace(c.name, index).second) {
+      throw InputError(c.source, {fmt::format("joint '{}' has two coordinates "
+                                              "called '{}'",
+                                              raw_.joint.name, c.name),
+                                  "unique names", "", "Rename one of them."});
     }
-    make_unique(reader, joint, c);
-    joint.coordinates.push_back(index);
+    make_unique(reader_, raw_.joint, c);
+    raw_.joint.coordinates.push_back(index);
     model.coordinates.push_back(std::move(c));
-  };
-  std::vector<pugi::xml_node> nodes = set_members(raw.node, "CoordinateSet");
-  if (nodes.empty()) nodes = set_members(raw.node, "coordinates");
-  for (const pugi::xml_node node : nodes) {
-    if (std::string_view(node.name()) == "Coordinate") add(read_coordinate(reader, node));
   }
-  if (joint.kind == Joint::Kind::kCustom) {
-    const auto coordinate_named = [&](const std::string& name) {
-      if (const auto found = own.find(name); found != own.end()) return found->second;
-      Coordinate implied;
-      implied.name = name;
-      implied.source = joint.source;
-      add(implied);
-      reader.warn(raw.node, fmt::format("joint '{}' uses coordinate '{}' without describing it; it "
-                                        "is free and starts at zero",
-                                        joint.name, name));
-      return joint.coordinates.back();
-    };
-    const auto axes = transform_axes(reader, raw);
-    for (std::size_t i = 0; i < 6; ++i) {
-      if (axes[i].second) read_axis(reader, joint, i, axes[i].second, coordinate_named);
-    }
-    for (std::size_t i = 0; i < 6; ++i) {
-      if (!axes[i].second) choose_free_axis(joint, axes, i);
-    }
-    require_independent_axes(reader, raw);
-    require_at_most_six(reader, raw);
-    for (const int c : joint.coordinates) {
-      model.coordinates[static_cast<std::size_t>(c)].motion = motion_of(joint, c);
-    }
-    return;
-  }
-  const JointClass* joint_class = nullptr;
-  for (const JointClass& c : kJointClasses) {
-    if (c.kind == joint.kind) joint_class = &c;
-  }
-  while (static_cast<int>(joint.coordinates.size()) < joint_class->coordinate_count) {
+
+  // One that the file uses or the kind of joint has
+  // without the file describing it.
+  void add_implied(std::string name) {
     Coordinate implied;
-    implied.name = fmt::format("{}_coord_{}", joint.name, joint.coordinates.size());
-    implied.source = joint.source;
-    add(implied);
+    implied.name = std::move(name);
+    implied.source = raw_.joint.source;
+    add(std::move(implied));
   }
-  if (static_cast<int>(joint.coordinates.size()) > joint_class->coordinate_count) {
+
+  int find_or_add(const std::string& name) {
+    const auto found = index_by_name_.find(name);
+    if (found != index_by_name_.end()) return found->second;
+    add_implied(name);
+    reader_.warn(raw_.node, fmt::format("joint '{}' uses coordinate '{}' "
+                                        "without describing it; it "
+                                        "is free and starts at zero",
+                                        raw_.joint.name, name));
+    return raw_.joint.coordinates.back();
+  }
+
+ private:
+  Reader& reader_;
+  RawJoint& raw_;
+  std::map<std::string, int> index_by_name_;
+};
+
+void read_custom_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordinates) {
+  Joint& joint = raw.joint;
+  const auto axes = transform_axes(reader, raw);
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!axes[i].second) continue;
+    read_axis(reader, joint, i, axes[i].second,
+              [&](const std::string& name) { return coordinates.find_or_add(name); });
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!axes[i].second) choose_free_axis(joint, axes, i);
+  }
+  require_independent_axes(reader, raw);
+  require_at_most_six(reader, raw);
+  for (const int c : joint.coordinates) {
+    reader.model.coordinates[static_cast<std::size_t>(c)].motion = motion_of(joint, c);
+  }
+}
+
+void read_standard_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordinates) {
+  Joint& joint = raw.joint;
+  const JointClass& joint_class = *find_joint_class(joint.kind);
+  while (static_cast<int>(joint.coordinates.size()) < joint_class.coordinate_count) {
+    coordinates.add_implied(fmt::format("{}_coord_{}", joint.name, joint.coordinates.size()));
+  }
+  if (static_cast<int>(joint.coordinates.size()) > joint_class.coordinate_count) {
     reader.xml.fail(raw.node, {fmt::format("joint '{}' has too many coordinates", joint.name),
-                               std::to_string(joint_class->coordinate_count),
+                               std::to_string(joint_class.coordinate_count),
                                std::to_string(joint.coordinates.size()),
                                "Remove coordinates, or use a CustomJoint."});
   }
   for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
-    model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].motion =
-        joint_class->motions[i] == 'r' ? Coordinate::Motion::kRotational
-                                       : Coordinate::Motion::kTranslational;
-  }
-  if (joint.kind == Joint::Kind::kEllipsoid) {
-    const auto radii = reader.xml.vector3(raw.node, "radii_x_y_z");
-    if (!radii || !(radii->minCoeff() > 0.0)) {
-      reader.xml.fail(raw.node,
-                      {fmt::format("ellipsoid joint '{}' has unusable radii", joint.name),
-                       "three positive numbers in <radii_x_y_z>",
-                       reader.xml.text(raw.node, "radii_x_y_z"), "Give the radii in metres."});
-    }
-    joint.radii = *radii;
+    reader.model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].motion =
+        joint_class.motions[i] == 'r' ? Coordinate::Motion::kRotational
+                                      : Coordinate::Motion::kTranslational;
   }
 }
 
-// Nothing but reports refer to joints by name, so two of one name need not stop anyone.
+void read_radii(Reader& reader, RawJoint& raw) {
+  const auto radii = reader.xml.vector3(raw.node, "radii_x_y_z");
+  if (!radii || !(radii->minCoeff() > 0.0) || !radii->allFinite()) {
+    reader.xml.fail(raw.node,
+                    {fmt::format("ellipsoid joint '{}' has unusable radii", raw.joint.name),
+                     "three positive numbers in <radii_x_y_z>",
+                     reader.xml.text(raw.node, "radii_x_y_z"), "Give the radii in metres."});
+  }
+  raw.joint.radii = *radii;
+}
+
+void read_joint_coordinates(Reader& reader, RawJoint& raw) {
+  JointCoordinates coordinates(reader, raw);
+  std::vector<pugi::xml_node> nodes = set_members(raw.node, "CoordinateSet");
+  if (nodes.empty()) nodes = set_members(raw.node, "coordinates");
+  for (const pugi::xml_node node : nodes) {
+    if (std::string_view(node.name()) == "Coordinate") {
+      coordinates.add(read_coordinate(reader, node));
+    }
+  }
+  if (raw.joint.kind == Joint::Kind::kCustom) {
+    read_custom_joint(reader, raw, coordinates);
+  } else {
+    read_standard_joint(reader, raw, coordinates);
+  }
+  if (raw.joint.kind == Joint::Kind::kEllipsoid) read_radii(reader, raw);
+}
+
+// Nothing but reports refer to joints by name, so two of
+// one name need not stop anyone.
 void rename_repeated(Reader& reader, Joint& joint, std::set<std::string>& names) {
   if (names.insert(joint.name).second) return;
   const std::string repeated = joint.name;
   for (int i = 2; !names.insert(joint.name).second; ++i) {
     joint.name = fmt::format("{}_{}", repeated, i);
   }
-  reader.model.warnings.push_back(
-      {joint.source, fmt::format("another joint is called '{}' too; this one is called '{}' here",
-                                 repeated, joint.name)});
+  reader.model.warnings.push_back({joint.source, fmt::format("another joint is called '{}' too; "
+                                                             "this one is called '{}' here",
+                                                             repeated, joint.name)});
 }
 
 }  // namespace
@@ -467,7 +513,8 @@ void read_joints(Reader& reader) {
   add_free_joints(reader, joints);
   joints = sort_outward(reader, std::move(joints));
 
-  // From here on bodies stand in the order of their joints; frames follow.
+  // From here on bodies stand in the order of their
+  // joints; frames follow.
   std::vector<Body> sorted_bodies = {reader.model.bodies[0]};
   std::map<int, int> new_index = {{0, 0}};
   for (const RawJoint& raw : joints) {
@@ -489,8 +536,8 @@ void read_joints(Reader& reader) {
 }
 
 int coordinate_index(const Reader& reader, const std::string& reference, pugi::xml_node node) {
-  // A path ends in joint/coordinate, which is also what a coordinate whose name is not unique is
-  // called.
+  // A path ends in joint/coordinate, which is also what a
+  // coordinate whose name is not unique is called.
   const std::size_t slash = reference.find_last_of('/');
   const std::string name = slash == std::string::npos ? reference : reference.substr(slash + 1);
   int index = -1;
@@ -501,10 +548,10 @@ int coordinate_index(const Reader& reader, const std::string& reference, pugi::x
   }
   if (index < 0) index = reader.model.find_coordinate(name);
   if (index < 0) {
-    reader.xml.fail(node,
-                    {fmt::format("<{}> '{}' refers to a coordinate that the model does not have",
-                                 node.name(), name_of(node)),
-                     "the name of a coordinate", reference, "Correct the name."});
+    reader.xml.fail(node, {fmt::format("<{}> '{}' refers to a coordinate "
+                                       "that the model does not have",
+                                       node.name(), name_of(node)),
+                           "the name of a coordinate", reference, "Correct the name."});
   }
   return index;
 }

@@ -487,6 +487,9 @@ TEST(OsimWarnings, TellWhatWasUnderstoodOtherwise) {
             "m.osim:9: another joint is called 'j1' too; this one is called 'j1_2' here\n"
             "m.osim:9: another joint has a coordinate called 'q1' too; this one is called "
             "'j1_2/q1' here and in results\n");
+  EXPECT_EQ(warnings_of(with_axis("<coordinates>q2</coordinates>")),
+            "m.osim:9: an axis of joint 'j2' names coordinate 'q2' but no function; the coordinate "
+            "does not move it, as in OpenSim 4\n");
   EXPECT_EQ(warnings_of(with_constraints("<RollingOnSurfaceConstraint name=\"r\"/>")),
             "m.osim:12: <RollingOnSurfaceConstraint> 'r' is not supported: it will not be kept\n");
 }
