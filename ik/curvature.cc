@@ -3,34 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ik/stiffness.h"
+
 namespace sinew {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// (N3): a point at r from the link's origin with weight W.
-void add_point(Matrix6d& K, const Vector3d& r, const Matrix3d& W) {
-  const Matrix3d rW = skew(r) * W;
-  K.topLeftCorner<3, 3>() -= rW * skew(r);
-  K.topRightCorner<3, 3>() += rW;
-  K.bottomLeftCorner<3, 3>() += rW.transpose();
-  K.bottomRightCorner<3, 3>() += W;
-}
-
-// Moves a stiffness from its link's origin to a point at −r from it, and adds it there.
-void add_shifted(Matrix6d& K_parent, const Matrix6d& K, const Vector3d& r) {
-  const Matrix3d R = skew(r);
-  const Matrix3d A = K.topLeftCorner<3, 3>(), B = K.topRightCorner<3, 3>(),
-                 C = K.bottomRightCorner<3, 3>();
-  const Matrix3d RC = R * C;
-  const Matrix3d RBt = R * B.transpose();
-  K_parent.topLeftCorner<3, 3>() += A + RBt + RBt.transpose() - RC * R;
-  const Matrix3d B_parent = B + RC;
-  K_parent.topRightCorner<3, 3>() += B_parent;
-  K_parent.bottomLeftCorner<3, 3>() += B_parent.transpose();
-  K_parent.bottomRightCorner<3, 3>() += C;
-}
 
 }  // namespace
 
@@ -47,7 +26,7 @@ void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& pr
     if (std::isnan(targets.positions[i].x())) continue;
     const PositionResidual& r = problem.positions[i];
     const auto link = static_cast<std::size_t>(r.link);
-    add_point(K_[link], ws.X_WB[link].R * r.p_BP, r.weight);
+    add_point_stiffness(K_[link], ws.X_WB[link].R * r.p_BP, r.weight);
   }
   for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
     if (std::isnan(targets.orientations[i](0, 0))) continue;
@@ -61,7 +40,7 @@ void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& pr
   for (std::size_t b = tree.links.size() - 1; b > 0; --b) {
     const auto parent = static_cast<std::size_t>(tree.links[b].parent);
     if (parent == 0) continue;
-    add_shifted(K_[parent], K_[b], ws.X_WB[b].p - ws.X_WB[parent].p);
+    add_shifted_stiffness(K_[parent], K_[b], ws.X_WB[b].p - ws.X_WB[parent].p);
   }
 }
 

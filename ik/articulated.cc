@@ -1,0 +1,318 @@
+#include "ik/articulated.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "ik/stiffness.h"
+
+namespace sinew {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// [m× f×; f× 0] s for the wrench [m; f], see (N5).
+Vector6d commutator(const Vector6d& wrench, const Vector6d& s) {
+  const Vector3d m = wrench.head<3>(), f = wrench.tail<3>();
+  Vector6d result;
+  result << m.cross(s.head<3>()) + f.cross(s.tail<3>()), f.cross(s.head<3>());
+  return result;
+}
+
+// (N4) of a loaded point at r from the link's origin.
+void add_geometric_stiffness(Matrix6d& K, const Vector3d& r, const Vector3d& f) {
+  const Matrix3d F = skew(f), R = skew(r);
+  const Matrix3d FR = F * R;
+  K.topLeftCorner<3, 3>() += 0.5 * (FR + FR.transpose());
+  K.topRightCorner<3, 3>() -= 0.5 * F;
+  K.bottomLeftCorner<3, 3>() += 0.5 * F;
+}
+
+// Second derivative of σ‖γ‖²/2 by rotations: σ( nnᵀ + (φ/2)cot(φ/2)(E − nnᵀ) ).
+Matrix3d orientation_curvature(double weight, const Vector3d& gamma) {
+  const double phi = gamma.norm();
+  if (phi < 1e-6) return weight * Matrix3d::Identity();  // φ²/12 below rounding
+  const Vector3d n = gamma / phi;
+  const double c = 0.5 * phi / std::tan(0.5 * phi);
+  return weight * (c * Matrix3d::Identity() + (1.0 - c) * n * n.transpose());
+}
+
+bool is_isotropic(const Matrix3d& W) {
+  return (W - W(0, 0) * Matrix3d::Identity()).cwiseAbs().maxCoeff() == 0.0;
+}
+
+// μ beyond this multiple of the stiffness leaves no step worth taking.
+constexpr double kLargestMu = 1e8;
+
+}  // namespace
+
+bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem) {
+  return tree.couplings.empty() && problem.distances.empty() && problem.coincidences.empty() &&
+         problem.alignments.empty();
+}
+
+Articulated::Articulated(const KinematicTree& tree, Model model, const Options& options)
+    : model_(model),
+      options_(options),
+      stiffness_(tree.links.size(), Matrix6d::Zero()),
+      K_(tree.links.size(), Matrix6d::Zero()),
+      p_(tree.links.size(), Vector6d::Zero()),
+      twist_(tree.links.size(), Vector6d::Zero()),
+      gain_(static_cast<std::size_t>(tree.v_count()), Vector6d::Zero()),
+      offset_(static_cast<std::size_t>(tree.v_count()), 0.0),
+      torque_(static_cast<std::size_t>(tree.v_count()), 0.0),
+      spring_(static_cast<std::size_t>(tree.v_count()), 0.0),
+      active_(static_cast<std::size_t>(tree.v_count()), 0) {}
+
+void Articulated::start() {
+  mu_ = 0.0;
+  growth_ = 2.0;
+  slow_ = 0;
+  previous_f_ = kNaN;
+  newton_ = model_ == Model::kNewton;
+}
+
+void Articulated::collect_stiffness(const Iterate& at, bool newton) {
+  const KinematicWorkspace& ws = at.workspace;
+  std::fill(stiffness_.begin(), stiffness_.end(), Matrix6d::Zero());
+  for (std::size_t i = 0; i < at.problem.positions.size(); ++i) {
+    const Vector3d& target = at.targets->positions[i];
+    if (std::isnan(target.x())) continue;
+    const PositionResidual& r = at.problem.positions[i];
+    const auto link = static_cast<std::size_t>(r.link);
+    const Vector3d arm = ws.X_WB[link].R * r.p_BP;
+    add_point_stiffness(stiffness_[link], arm, r.weight);
+    if (newton) {
+      add_geometric_stiffness(stiffness_[link], arm,
+                              -(r.weight * (target - ws.X_WB[link].p - arm)));
+    }
+  }
+  for (std::size_t i = 0; i < at.problem.orientations.size(); ++i) {
+    const Matrix3d& target = at.targets->orientations[i];
+    if (std::isnan(target(0, 0))) continue;
+    const OrientationResidual& r = at.problem.orientations[i];
+    const auto link = static_cast<std::size_t>(r.link);
+    const Vector3d gamma = rotation_vector(target * (ws.X_WB[link].R * r.R_BF).transpose());
+    if (newton && is_isotropic(r.weight)) {
+      stiffness_[link].topLeftCorner<3, 3>() += orientation_curvature(r.weight(0, 0), gamma);
+    } else {
+      const Matrix3d rate = rotation_vector_rate(gamma);
+      stiffness_[link].topLeftCorner<3, 3>() += rate.transpose() * r.weight * rate;
+    }
+  }
+  scale_ = 0.0;
+  for (const Matrix6d& K : stiffness_) scale_ = std::max(scale_, K.trace() / 6.0);
+  std::fill(torque_.begin(), torque_.end(), 0.0);
+  std::fill(spring_.begin(), spring_.end(), 0.0);
+  for (std::size_t i = 0; i < at.problem.coordinates.size(); ++i) {
+    const double target = at.targets->coordinates[i];
+    if (std::isnan(target)) continue;
+    const CoordinateResidual& r = at.problem.coordinates[i];
+    const auto v = static_cast<std::size_t>(r.v);
+    torque_[v] += r.weight * (ws.q[static_cast<std::size_t>(r.q)] - target);
+    spring_[v] += r.weight;
+    scale_ = std::max(scale_, r.weight);
+  }
+}
+
+// C_k of (N2): steps i before j of one joint do not commute, and functions are curved.
+template <int kColumns>
+void Articulated::add_joint_curvature(const Iterate& at, int link_index, const int* columns,
+                                      Eigen::Matrix<double, kColumns, kColumns>& D) const {
+  const KinematicTree::Link& link = at.tree.links[static_cast<std::size_t>(link_index)];
+  const KinematicWorkspace& ws = at.workspace;
+  const Vector6d& f = ws.f[static_cast<std::size_t>(link_index)];
+  if (link.kind == KinematicTree::Kind::kFree) {
+    // The shift comes before the turn, whose exponential needs nothing within itself.
+    for (int i = 3; i < kColumns; ++i) {
+      const Vector6d moved = commutator(f, ws.S[static_cast<std::size_t>(columns[i])]);
+      for (int j = 0; j < 3; ++j) {
+        const double h = 0.5 * ws.S[static_cast<std::size_t>(columns[j])].dot(moved);
+        D(i, j) += h;
+        D(j, i) += h;
+      }
+    }
+    return;
+  }
+  if (link.kind != KinematicTree::Kind::kSteps) return;
+  const auto column_of = [&](int v) {
+    for (int i = 0; i < kColumns; ++i) {
+      if (columns[i] == v) return i;
+    }
+    return -1;
+  };
+  // Shifts first, then turns: the order in which they carry each other.
+  const int steps = link.rotation_count + link.translation_count;
+  const auto step_at = [&](int order) {
+    return static_cast<std::size_t>(link.first_step + (order < link.translation_count
+                                                           ? link.rotation_count + order
+                                                           : order - link.translation_count));
+  };
+  for (int i = 0; i < steps; ++i) {
+    const std::size_t si = step_at(i);
+    const int vi = at.tree.steps[si].v;
+    const int ci = vi < 0 ? -1 : column_of(vi);
+    if (ci < 0) continue;
+    D(ci, ci) += ws.step_curvature[si] * ws.step_twist[si].dot(f);
+    const Vector6d moved = commutator(f, ws.step_slope[si] * ws.step_twist[si]);
+    for (int j = std::max(i + 1, link.translation_count); j < steps; ++j) {
+      const std::size_t sj = step_at(j);
+      const int vj = at.tree.steps[sj].v;
+      const int cj = vj < 0 ? -1 : column_of(vj);
+      if (cj < 0) continue;
+      const double h = 0.5 * ws.step_slope[sj] * ws.step_twist[sj].dot(moved);
+      D(ci, cj) += h;
+      D(cj, ci) += h;
+    }
+  }
+}
+
+// (N6) for the active columns of one joint. False if D is not positive definite.
+template <int kColumns>
+bool Articulated::eliminate(const Iterate& at, int link_index, const int* columns, bool newton) {
+  const auto b = static_cast<std::size_t>(link_index);
+  const KinematicWorkspace& ws = at.workspace;
+  Eigen::Matrix<double, 6, kColumns> S;
+  for (int i = 0; i < kColumns; ++i) S.col(i) = ws.S[static_cast<std::size_t>(columns[i])];
+  Eigen::Matrix<double, 6, kColumns> U = K_[b] * S;
+  Eigen::Matrix<double, kColumns, kColumns> D = S.transpose() * U;
+  Eigen::Matrix<double, kColumns, 1> z = S.transpose() * p_[b];
+  for (int i = 0; i < kColumns; ++i) {
+    const auto v = static_cast<std::size_t>(columns[i]);
+    z[i] += torque_[v];
+    D(i, i) += spring_[v];
+  }
+  if (newton) {
+    add_joint_curvature<kColumns>(at, link_index, columns, D);
+    for (int i = 0; i < kColumns; ++i) U.col(i) -= 0.5 * commutator(ws.f[b], S.col(i));  // Bᵀ
+  }
+  D.diagonal().array() += mu_;
+  const Eigen::LLT<Eigen::Matrix<double, kColumns, kColumns>> llt(D);
+  if (llt.info() != Eigen::Success) {
+    const double lowest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kColumns, kColumns>>(
+                              D, Eigen::EigenvaluesOnly)
+                              .eigenvalues()[0];
+    needed_mu_ = mu_ - 2.0 * lowest;
+    return false;
+  }
+  const Eigen::Matrix<double, kColumns, 6> gain = llt.solve(U.transpose());
+  const Eigen::Matrix<double, kColumns, 1> offset = llt.solve(z);
+  K_[b].noalias() -= U * gain;
+  p_[b].noalias() -= U * offset;
+  for (int i = 0; i < kColumns; ++i) {
+    const auto v = static_cast<std::size_t>(columns[i]);
+    gain_[v] = gain.row(i).transpose();
+    offset_[v] = offset[i];
+  }
+  return true;
+}
+
+bool Articulated::dispatch(const Iterate& at, int link_index, bool newton) {
+  const KinematicTree::Link& link = at.tree.links[static_cast<std::size_t>(link_index)];
+  int columns[6];
+  int count = 0;
+  for (int v = link.first_v; v < link.first_v + link.v_count; ++v) {
+    if (active_[static_cast<std::size_t>(v)]) columns[count++] = v;
+  }
+  switch (count) {
+    case 0:
+      return true;
+    case 1:
+      return eliminate<1>(at, link_index, columns, newton);
+    case 2:
+      return eliminate<2>(at, link_index, columns, newton);
+    case 3:
+      return eliminate<3>(at, link_index, columns, newton);
+    case 4:
+      return eliminate<4>(at, link_index, columns, newton);
+    case 5:
+      return eliminate<5>(at, link_index, columns, newton);
+    default:
+      return eliminate<6>(at, link_index, columns, newton);
+  }
+}
+
+void Articulated::add_to_parent(const Iterate& at, int link_index) {
+  const auto b = static_cast<std::size_t>(link_index);
+  const auto parent = static_cast<std::size_t>(at.tree.links[b].parent);
+  const Vector3d r = at.workspace.X_WB[b].p - at.workspace.X_WB[parent].p;
+  add_shifted_stiffness(K_[parent], K_[b], r);
+  p_[parent].head<3>() += p_[b].head<3>() + r.cross(p_[b].tail<3>());
+  p_[parent].tail<3>() += p_[b].tail<3>();
+}
+
+bool Articulated::sweep_inward(const Iterate& at, bool newton) {
+  K_ = stiffness_;  // same sizes: copies without allocating
+  p_ = at.workspace.F;
+  for (int b = at.tree.link_count() - 1; b > 0; --b) {
+    if (!dispatch(at, b, newton)) return false;
+    if (at.tree.links[static_cast<std::size_t>(b)].parent > 0) add_to_parent(at, b);
+  }
+  return true;
+}
+
+void Articulated::sweep_outward(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
+  d.setZero();
+  twist_[0].setZero();
+  for (std::size_t b = 1; b < at.tree.links.size(); ++b) {
+    const KinematicTree::Link& link = at.tree.links[b];
+    const auto parent = static_cast<std::size_t>(link.parent);
+    const Vector3d r = at.workspace.X_WB[b].p - at.workspace.X_WB[parent].p;
+    Vector6d moved = twist_[parent];  // X_k v_p
+    moved.tail<3>() += moved.head<3>().cross(r);
+    twist_[b] = moved;
+    for (int i = link.first_v; i < link.first_v + link.v_count; ++i) {
+      const auto v = static_cast<std::size_t>(i);
+      if (!active_[v]) continue;
+      const double step = -gain_[v].dot(moved) - offset_[v];
+      d[at.tree.unknown_of_v[v]] = step;
+      twist_[b] += step * at.workspace.S[v];
+    }
+  }
+}
+
+bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
+  for (std::size_t v = 0; v < active_.size(); ++v) {
+    const int x = at.tree.unknown_of_v[v];
+    active_[v] = x >= 0 && !at.held[static_cast<std::size_t>(x)];
+  }
+  if (model_ == Model::kAutomatic) choose_model(at);
+  collect_stiffness(at, newton_);
+  mu_ = std::max(mu_, options_.damping * scale_);
+  while (!sweep_inward(at, newton_)) {
+    mu_ = std::max(10.0 * mu_, needed_mu_);
+    if (!(mu_ < kLargestMu * scale_)) return false;
+  }
+  sweep_outward(at, d);
+  const double slope = at.g.dot(d);
+  expected_ = -0.5 * slope + 0.5 * mu_ * d.squaredNorm();
+  return slope < 0.0;
+}
+
+// Gauss-Newton as long as it at least halves the cost; where it does not, its model misses
+// curvature, and Newton's is taken until the posture is left behind.
+void Articulated::choose_model(const Iterate& at) {
+  constexpr double kSlow = 0.5;
+  constexpr int kPatience = 2;
+  slow_ = at.f > kSlow * previous_f_ ? slow_ + 1 : 0;
+  if (slow_ >= kPatience) {
+    newton_ = true;
+  }
+  previous_f_ = at.f;
+}
+
+void Articulated::learn(double accepted_length, double actual_decrease) {
+  const double ratio = expected_ > 0.0 ? actual_decrease / expected_ : 0.0;
+  if (accepted_length == 1.0 && ratio > 0.0) {
+    const double r = 2.0 * ratio - 1.0;
+    mu_ *= std::max(0.1, 1.0 - r * r * r);
+    growth_ = 2.0;
+  } else {
+    mu_ = std::max(mu_ * growth_, 1e-8 * scale_);
+    growth_ *= 2.0;
+  }
+}
+
+}  // namespace sinew

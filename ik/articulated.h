@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ik/direction.h"
+
+namespace sinew {
+
+/// Gauss-Newton and Newton directions in O(links), without any matrix larger than 6×6: the
+/// quadratic model of the cost is minimized by one inward and one outward sweep, as
+/// articulated-body dynamics solves for accelerations (Featherstone 2008, ch. 7, with stiffness in
+/// place of inertia).
+///
+/// With the twist v_k of link k at its origin, X_k the shift from its parent and S_k its joint's
+/// columns,
+///   v_k = X_k v_p(k) + S_k d_k                                                               (N1)
+///   m(d) = Σ g_kᵀd_k + ½ Σ v_kᵀK_k v_k + Σ d_kᵀB_k X_k v_p(k) + ½ Σ d_kᵀ(C_k + μE)d_k         (N2)
+/// K_k is the stiffness of the link's residuals, (N3). Newton adds their geometric stiffness, (N4),
+/// the second derivatives of rotations, B_k = ½ S_kᵀ[m× f×; f× 0] with the wrench [m; f] that the
+/// gradient's inward sweep left at the link (N5), and C_k, the same within a joint of several steps
+/// plus the second derivatives of the steps' functions. Elimination inward, (N6):
+///   U = K^A S + Bᵀ, D = SᵀU + C + μE, K^A_p += Xᵀ(K^A − U D⁻¹Uᵀ)X, p^A_p += Xᵀ(p^A − U D⁻¹ Sᵀp^A)
+/// and substitution outward, (N7): d = −D⁻¹(Uᵀ X v_p + Sᵀp^A).
+///
+/// μ is raised until every D is positive definite, and follows the ratio of actual to expected
+/// decrease. `kAutomatic` takes Gauss-Newton while its model holds and Newton where it does not: at
+/// singular postures, and where residuals stay large.
+///
+/// The tree's couplings and residuals that join two links do not fit one sweep; see
+/// articulated_sweep_fits(). Newton is approximate in ellipsoid joints and for orientation weights
+/// other than a multiple of E, where Gauss-Newton's part stands in.
+/// Allocates at construction only.
+class Articulated : public Direction {
+ public:
+  enum class Model { kGaussNewton, kNewton, kAutomatic };
+
+  struct Options {
+    // μ at the start, times the largest D; also its floor. Large enough that joints which no
+    // residual sees have a definite D.
+    double damping = 1e-12;
+  };
+
+  Articulated(const KinematicTree& tree, Model model, const Options& options);
+
+  void start() override;
+  bool compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) override;
+  bool scales_its_step() const override { return true; }
+  bool wants_retry() const override { return true; }
+  double expected_decrease() const override { return expected_; }
+  void learn(double accepted_length, double actual_decrease) override;
+
+  /// μ of the last direction.
+  double damping() const { return mu_; }
+
+ private:
+  void collect_stiffness(const Iterate& at, bool newton);
+  bool sweep_inward(const Iterate& at, bool newton);
+  void sweep_outward(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
+  template <int kColumns>
+  bool eliminate(const Iterate& at, int link, const int* columns, bool newton);
+  template <int kColumns>
+  void add_joint_curvature(const Iterate& at, int link, const int* columns,
+                           Eigen::Matrix<double, kColumns, kColumns>& D) const;
+  void add_to_parent(const Iterate& at, int link);
+  void choose_model(const Iterate& at);
+  bool dispatch(const Iterate& at, int link, bool newton);
+
+  Model model_;
+  Options options_;
+  std::vector<Matrix6d> stiffness_;      // links: K of the residuals alone
+  std::vector<Matrix6d> K_;              // links: K^A, after elimination what the parent takes over
+  std::vector<Vector6d> p_;              // links: p^A, likewise
+  std::vector<Vector6d> twist_;          // links: v of (N1)
+  std::vector<Vector6d> gain_;           // v: column of (D⁻¹Uᵀ)ᵀ
+  std::vector<double> offset_;           // v: D⁻¹Sᵀp^A
+  std::vector<double> torque_, spring_;  // v: of coordinate targets
+  std::vector<char> active_;             // v: an unknown that no bound holds
+  double mu_ = 0.0, growth_ = 2.0, scale_ = 1.0;
+  double expected_ = kNaN;
+  double needed_mu_ = 0.0;  // what the D that was not definite asks for
+  double previous_f_ = kNaN;
+  int slow_ = 0;         // iterations in a row that hardly lowered the cost
+  bool newton_ = false;  // what kAutomatic takes now
+};
+
+/// True if the tree has no couplings and the problem no residual that joins two links, so that one
+/// sweep solves (N2) exactly.
+bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem);
+
+}  // namespace sinew

@@ -1,0 +1,138 @@
+#include "ik/articulated.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "ik/curvature.h"
+#include "tests/ik/random_problem.h"
+
+namespace sinew {
+namespace {
+
+// A problem that one sweep solves exactly: no couplers, no residual between two links, orientation
+// weights that are multiples of E, no ellipsoid joints. Targets stand near the pose, so that the
+// cost curves upward.
+RandomProblem sweep_problem(unsigned seed, bool quaternions, double distance) {
+  RandomProblem p;
+  p.model = random_model(seed, {.coupler_count = 0, .for_quaternions = quaternions});
+  for (Joint& joint : p.model.joints) {
+    if (joint.kind == Joint::Kind::kEllipsoid) joint.kind = Joint::Kind::kGimbal;
+  }
+  p.tree = compile_tree(p.model, {.quaternions = quaternions});
+  RandomValues values(seed + 2000);
+  p.q = random_q(p.tree, values, 0.8);
+  const KinematicWorkspace ws = p.workspace();
+  for (int link = 1; link < p.tree.link_count(); ++link) {
+    const RigidTransform& X = ws.X_WB[static_cast<std::size_t>(link)];
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d place = values.vector(0.4);
+      p.problem.positions.push_back({link, place, values.weight()});
+      p.targets.positions.push_back(X * place + values.vector(distance));
+    }
+    p.problem.orientations.push_back(
+        {link, values.rotation(3.0), values.uniform(0.5, 2.0) * Eigen::Matrix3d::Identity()});
+    p.targets.orientations.push_back(values.rotation(distance) * X.R *
+                                     p.problem.orientations.back().R_BF);
+  }
+  add_random_coordinate_targets(p, values);
+  validate(p.tree, p.problem, p.targets);
+  return p;
+}
+
+Iterate iterate_at(const RandomProblem& p, KinematicWorkspace& ws) {
+  const int n = p.tree.unknown_count();
+  Iterate at{p.tree,
+             p.problem,
+             &p.targets,
+             ws,
+             0,
+             0.0,
+             Eigen::VectorXd(n),
+             Eigen::VectorXd::Zero(n),
+             Eigen::VectorXd::Zero(n),
+             Eigen::VectorXd::Zero(n),
+             std::vector<char>(static_cast<std::size_t>(n), 0)};
+  at.f = decomposed_gradient(p.tree, p.problem, p.targets, ws, at.g);
+  return at;
+}
+
+Eigen::VectorXd gradient_at(const RandomProblem& p, const Eigen::VectorXd& step) {
+  KinematicWorkspace ws(p.tree);
+  advance(p.tree, p.q, {step.data(), static_cast<std::size_t>(step.size())}, ws.q);
+  update_kinematics(p.tree, ws);
+  Eigen::VectorXd g(p.tree.unknown_count());
+  decomposed_gradient(p.tree, p.problem, p.targets, ws, g);
+  return g;
+}
+
+// Second derivatives along exponential steps: the symmetric part of the gradient's differences,
+// whose other part is the turning of the tangent space itself.
+Eigen::MatrixXd hessian_by_differences(const RandomProblem& p) {
+  const int n = p.tree.unknown_count();
+  constexpr double kStep = 1e-5;
+  Eigen::MatrixXd H(n, n);
+  for (int x = 0; x < n; ++x) {
+    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(n, x);
+    H.col(x) = (gradient_at(p, step) - gradient_at(p, -step)) / (2.0 * kStep);
+  }
+  return 0.5 * (H + H.transpose());
+}
+
+class ArticulatedSweep : public testing::TestWithParam<std::tuple<unsigned, bool>> {};
+
+TEST_P(ArticulatedSweep, GaussNewtonSolvesTheDenseEquations) {
+  const auto [seed, quaternions] = GetParam();
+  const RandomProblem p = sweep_problem(seed, quaternions, 0.3);
+  KinematicWorkspace ws = p.workspace();
+  Iterate at = iterate_at(p, ws);
+  at.held[2] = 1;
+  at.g[2] = 0.0;
+  Articulated articulated(p.tree, Articulated::Model::kGaussNewton, {.damping = 1e-6});
+  articulated.start();
+  Eigen::VectorXd d(p.tree.unknown_count());
+  ASSERT_TRUE(articulated.compute(at, d));
+
+  GaussNewtonCurvature curvature(p.tree);
+  Eigen::MatrixXd H(d.size(), d.size());
+  curvature.update(p.tree, p.problem, p.targets, ws);
+  curvature.matrix(p.tree, p.problem, p.targets, ws, H);
+  H.diagonal().array() += articulated.damping();
+  H.row(2).setZero();
+  H.col(2).setZero();
+  H(2, 2) = 1.0;
+  const Eigen::VectorXd expected = -H.llt().solve(at.g);
+  EXPECT_LT((d - expected).norm(), 1e-8 * expected.norm());
+  EXPECT_EQ(d[2], 0.0);
+  const double decrease =
+      -at.g.dot(d) - 0.5 * d.dot((H * d).eval()) + 0.5 * articulated.damping() * d.squaredNorm();
+  EXPECT_NEAR(articulated.expected_decrease(), decrease, 1e-9 * std::abs(decrease));
+}
+
+TEST_P(ArticulatedSweep, NewtonSolvesWithTheHessianOfTheCost) {
+  const auto [seed, quaternions] = GetParam();
+  const RandomProblem p = sweep_problem(seed, quaternions, 0.1);
+  KinematicWorkspace ws = p.workspace();
+  const Iterate at = iterate_at(p, ws);
+  Articulated articulated(p.tree, Articulated::Model::kNewton, {.damping = 1e-9});
+  articulated.start();
+  Eigen::VectorXd d(p.tree.unknown_count());
+  ASSERT_TRUE(articulated.compute(at, d));
+  const Eigen::MatrixXd H = hessian_by_differences(p);
+  // Differences of the gradient are good to about 1e-9 of the largest curvature.
+  const Eigen::VectorXd residual = H * d + articulated.damping() * d + at.g;
+  EXPECT_LT(residual.norm(), 1e-6 * at.g.norm());
+  // The second-order terms matter here: Gauss-Newton's matrix does not solve it.
+  GaussNewtonCurvature curvature(p.tree);
+  Eigen::MatrixXd J(d.size(), d.size());
+  curvature.update(p.tree, p.problem, p.targets, ws);
+  curvature.matrix(p.tree, p.problem, p.targets, ws, J);
+  EXPECT_GT((J * d + at.g).norm(), 1e-3 * at.g.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(RandomTrees, ArticulatedSweep,
+                         testing::Combine(testing::Values(1u, 2u, 3u, 4u), testing::Bool()));
+
+}  // namespace
+}  // namespace sinew
