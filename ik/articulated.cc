@@ -69,8 +69,7 @@ Articulated::Articulated(const KinematicTree& tree, Model model, const Options& 
 void Articulated::start() {
   mu_ = 0.0;
   growth_ = 2.0;
-  slow_ = 0;
-  previous_f_ = kNaN;
+  rejected_ = 0;
   newton_ = model_ == Model::kNewton;
 }
 
@@ -278,11 +277,11 @@ bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
     const int x = at.tree.unknown_of_v[v];
     active_[v] = x >= 0 && !at.held[static_cast<std::size_t>(x)];
   }
-  if (model_ == Model::kAutomatic) choose_model(at);
   collect_stiffness(at, newton_);
   mu_ = std::max(mu_, options_.damping * scale_);
   while (!sweep_inward(at, newton_)) {
     mu_ = std::max(10.0 * mu_, needed_mu_);
+    ;
     if (!(mu_ < kLargestMu * scale_)) return false;
   }
   sweep_outward(at, d);
@@ -291,28 +290,21 @@ bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   return slope < 0.0;
 }
 
-// Gauss-Newton as long as it at least halves the cost; where it does not, its model misses
-// curvature, and Newton's is taken until the posture is left behind.
-void Articulated::choose_model(const Iterate& at) {
-  constexpr double kSlow = 0.5;
-  constexpr int kPatience = 2;
-  slow_ = at.f > kSlow * previous_f_ ? slow_ + 1 : 0;
-  if (slow_ >= kPatience) {
-    newton_ = true;
-  }
-  previous_f_ = at.f;
-}
-
 void Articulated::learn(double accepted_length, double actual_decrease) {
   const double ratio = expected_ > 0.0 ? actual_decrease / expected_ : 0.0;
-  if (accepted_length == 1.0 && ratio > 0.0) {
+  const bool accepted = accepted_length == 1.0 && ratio > 0.0;
+  if (accepted) {
     const double r = 2.0 * ratio - 1.0;
-    mu_ *= std::max(0.1, 1.0 - r * r * r);
+    mu_ *= std::max(1.0 / 3.0, 1.0 - r * r * r);
     growth_ = 2.0;
   } else {
     mu_ = std::max(mu_ * growth_, 1e-8 * scale_);
     growth_ *= 2.0;
   }
+  rejected_ = accepted ? 0 : rejected_ + 1;
+  // Gauss-Newton's model misses curvature if it promises ten times what it keeps, or twice in a row
+  // what it does not keep at all.
+  if (model_ == Model::kAutomatic && (rejected_ >= 2 || (accepted && ratio < 0.1))) newton_ = true;
 }
 
 }  // namespace sinew

@@ -24,8 +24,10 @@ namespace sinew {
 /// and substitution outward, (N7): d = −D⁻¹(Uᵀ X v_p + Sᵀp^A).
 ///
 /// μ is raised until every D is positive definite, and follows the ratio of actual to expected
-/// decrease. `kAutomatic` takes Gauss-Newton while its model holds and Newton where it does not: at
-/// singular postures, and where residuals stay large.
+/// decrease (Nielsen's rule, as in GaussNewton). `kAutomatic` starts with Gauss-Newton, which needs
+/// the fewest iterations where residuals vanish, and turns to Newton for the rest of the frame when
+/// that ratio shows that Gauss-Newton's model misses curvature: at singular postures, and where
+/// residuals stay large.
 ///
 /// The tree's couplings and residuals that join two links do not fit one sweep; see
 /// articulated_sweep_fits(). Newton is approximate in ellipsoid joints and for orientation weights
@@ -63,7 +65,6 @@ class Articulated : public Direction {
   void add_joint_curvature(const Iterate& at, int link, const int* columns,
                            Eigen::Matrix<double, kColumns, kColumns>& D) const;
   void add_to_parent(const Iterate& at, int link);
-  void choose_model(const Iterate& at);
   bool dispatch(const Iterate& at, int link, bool newton);
 
   Model model_;
@@ -79,9 +80,8 @@ class Articulated : public Direction {
   double mu_ = 0.0, growth_ = 2.0, scale_ = 1.0;
   double expected_ = kNaN;
   double needed_mu_ = 0.0;  // what the D that was not definite asks for
-  double previous_f_ = kNaN;
-  int slow_ = 0;         // iterations in a row that hardly lowered the cost
-  bool newton_ = false;  // what kAutomatic takes now
+  int rejected_ = 0;        // directions in a row
+  bool newton_ = false;     // what kAutomatic takes now
 };
 
 /// True if the tree has no couplings and the problem no residual that joins two links, so that one
