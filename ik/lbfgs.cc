@@ -6,7 +6,8 @@
 namespace sinew {
 
 Lbfgs::Lbfgs(const KinematicTree& tree, const Options& options)
-    : curvature_(tree),
+    : start_(options.start),
+      curvature_(tree),
       S_(tree.unknown_count(), options.memory),
       Y_(tree.unknown_count(), options.memory),
       rho_(options.memory),
@@ -25,9 +26,14 @@ void Lbfgs::remember(const Iterate& at) {
   rho_[next_] = 1.0 / sy;
   next_ = (next_ + 1) % static_cast<int>(S_.cols());
   stored_ = std::min(stored_ + 1, static_cast<int>(S_.cols()));
+  if (start_ == Start::kScaledIdentity) inverse_diagonal_.setConstant(sy / at.y.squaredNorm());
 }
 
 void Lbfgs::precondition(const Iterate& at) {
+  if (start_ == Start::kScaledIdentity) {
+    inverse_diagonal_.setOnes();
+    return;
+  }
   curvature_.update(at.tree, at.problem, *at.targets, at.workspace);
   curvature_.diagonal(at.tree, at.problem, *at.targets, at.workspace, inverse_diagonal_);
   // Unknowns that no residual sees get the largest curvature: they stay where they are.

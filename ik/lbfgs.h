@@ -7,13 +7,22 @@
 
 namespace sinew {
 
-/// Limited-memory BFGS by the two-loop recursion (Nocedal & Wright 2006, alg. 7.4), started from a
-/// diagonal: the Gauss-Newton curvature of every unknown at the frame's first iterate, which makes
-/// metres and radians comparable at O(links). Allocates at construction only.
+/// Limited-memory BFGS by the two-loop recursion (Nocedal & Wright 2006, alg. 7.4). Never restarts;
+/// passes over pairs without positive curvature. O(memory · unknowns). Allocates at construction
+/// only.
 class Lbfgs : public Direction {
  public:
+  /// H₀, where the recursion starts.
+  enum class Start {
+    // The inverse of every unknown's Gauss-Newton curvature at the frame's first iterate, which
+    // makes metres and radians comparable at O(links).
+    kCurvature,
+    // γE with γ = sᵀy/yᵀy of the last pair (N&W eq. 7.20), E at first: the plain method.
+    kScaledIdentity,
+  };
   struct Options {
     int memory = 20;  // pairs kept; measured on the gait trials: 5 needs twice the iterations
+    Start start = Start::kCurvature;
   };
 
   Lbfgs(const KinematicTree& tree, const Options& options);
@@ -26,6 +35,7 @@ class Lbfgs : public Direction {
   void remember(const Iterate& at);
   void precondition(const Iterate& at);
 
+  Start start_;
   GaussNewtonCurvature curvature_;
   int stored_ = 0, next_ = 0;
   Eigen::MatrixXd S_, Y_;        // unknowns × memory

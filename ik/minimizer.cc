@@ -17,6 +17,11 @@ constexpr double kCostRounding = 1e-14;
 // Halving 60 times passes the spacing of doubles.
 constexpr int kMaxTrials = 60;
 
+// Iterations in a row that lower neither the cost, to rounding, nor the gradient's smallest norm so
+// far, before a frame ends as stalled. While conjugate gradients still make headway, their
+// gradient's norm takes up to 60 iterations to fall below where it was.
+constexpr int kMaxFlat = 100;
+
 // A method that asks again multiplies its damping by 2, 4, 8, …: after ten times by 2^55.
 constexpr int kMaxRetries = 10;
 
@@ -126,22 +131,28 @@ bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient)
     update_poses(tree_, trial_);
     f_trial_ = cost(tree_, problem_, *at.targets, trial_);
   }
-  // False where the cost is not a number.
-  if (!(f_trial_ <= at.f + kArmijo * slope_ + kCostRounding * at.f)) return false;
+  // Clipping may turn a long step uphill. False where the cost is not a number.
+  if (slope_ > 0.0 || !(f_trial_ <= at.f + kArmijo * slope_ + kCostRounding * at.f)) return false;
   if (!with_gradient) gradient(*at.targets, trial_, g_trial_);
   return std::isfinite(f_trial_) && g_trial_.allFinite();
 }
 
-// The minimum of the parabola through f(q), the slope and f at the last accepted length.
+// The minimum of the parabola through f(q), the slope and f at the last accepted length; through
+// both slopes where the costs differ by no more than rounding.
 double Minimizer::interpolated_length(const Iterate& at) {
   const double largest = length_to_largest_turn();
   double length = std::min(last_length_, largest);
   try_length(at, length, false);
-  for (int trial = 0; !std::isfinite(f_trial_) && trial < kMaxTrials; ++trial) {
+  const auto usable = [&] { return std::isfinite(f_trial_) && slope_ < 0.0; };
+  for (int trial = 0; !usable() && trial < kMaxTrials; ++trial) {
     length *= 0.5;
     try_length(at, length, false);
   }
-  const double bend = f_trial_ - at.f - slope_;
+  double bend = f_trial_ - at.f - slope_;
+  if (std::abs(bend) < 10.0 * kCostRounding * at.f) {  // noise: the slopes still tell
+    gradient(*at.targets, trial_, g_trial_);
+    bend = 0.5 * (g_trial_.dot(step_) - slope_);
+  }
   const double grown = kLargestGrowth * length;
   const double minimizer = bend > 0.0 ? -0.5 * slope_ * length / bend : grown;
   return std::min({minimizer, grown, largest});
@@ -150,7 +161,7 @@ double Minimizer::interpolated_length(const Iterate& at) {
 bool Minimizer::backtrack(const Iterate& at) {
   for (int trial = 0; trial < kMaxTrials; ++trial) {
     double shorter = 0.5 * length_;
-    if (trial == 0 && std::isfinite(f_trial_)) {
+    if (trial == 0 && std::isfinite(f_trial_) && slope_ < 0.0) {
       const double minimizer = -0.5 * slope_ * length_ / (f_trial_ - at.f - slope_);
       if (minimizer > 0.1 * length_ && minimizer < length_) shorter = minimizer;
     }
@@ -162,7 +173,7 @@ bool Minimizer::backtrack(const Iterate& at) {
 bool Minimizer::step_by_direction(Iterate& at) {
   for (int retry = 0;; ++retry) {
     if (!direction_->compute(at, d_)) return false;
-    const bool scaled = direction_->scales_its_step();
+    const bool scaled = direction_->scales_its_step() && !options_.always_interpolate;
     const double length =
         scaled ? std::min(1.0, length_to_largest_turn()) : interpolated_length(at);
     if (try_length(at, length, true)) return true;
@@ -243,6 +254,8 @@ const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q
   start_at(targets, q);
   Iterate& at = iterate_;
   if (summary_.termination == Termination::kNone) finished(at);
+  int flat = 0;
+  double smallest_norm = summary_.gradient_norm;
   while (summary_.termination == Termination::kNone) {
     const double f_before = at.f;
     if (step_by_direction(at)) {
@@ -252,11 +265,17 @@ const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q
       break;
     }
     accept(at);
+    const double norm = gradient_norm(at);
     if (options_.record_iterations) {
-      summary_.rows.push_back({at.iteration, at.f, gradient_norm(at), length_, at.s.norm()});
+      summary_.rows.push_back({at.iteration, at.f, norm, length_, at.s.norm()});
     }
+    const bool headway = at.f < f_before * (1.0 - kCostRounding) || norm < smallest_norm;
+    flat = headway ? 0 : flat + 1;
+    smallest_norm = std::min(smallest_norm, norm);
     if (std::abs(f_before - at.f) < options_.cost_tolerance) {
       summary_.termination = Termination::kCostChange;
+    } else if (flat == kMaxFlat) {
+      summary_.termination = Termination::kStalled;
     }
     finished(at);
   }

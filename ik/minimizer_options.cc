@@ -4,6 +4,9 @@
 
 #include <stdexcept>
 
+#include "ik/bfgs.h"
+#include "ik/steepest_descent.h"
+
 namespace sinew {
 namespace {
 
@@ -12,7 +15,11 @@ struct MethodName {
   const char* name;
 };
 constexpr MethodName kMethods[] = {
+    {Method::kSteepestDescent, "steepest-descent"},
+    {Method::kConjugateGradient, "conjugate-gradient"},
+    {Method::kBfgs, "bfgs"},
     {Method::kLbfgs, "lbfgs"},
+    {Method::kLevenbergMarquardt, "levenberg-marquardt"},
     {Method::kGaussNewton, "gauss-newton"},
 };
 
@@ -49,6 +56,12 @@ void MinimizerOptions::validate() const {
   if (max_iterations < 1) reject("max_iterations", max_iterations, "1 or more");
   if (!(time_limit > 0.0)) reject("time_limit", time_limit, "more than 0");
   if (!(largest_turn > 0.0)) reject("largest_turn", largest_turn, "more than 0");
+  if (!(conjugate_gradient.t >= 0.0)) {
+    reject("conjugate_gradient.t", conjugate_gradient.t, "0 or more");
+  }
+  if (!(levenberg_marquardt.lambda > 0.0)) {
+    reject("levenberg_marquardt.lambda", levenberg_marquardt.lambda, "more than 0");
+  }
   if (lbfgs.memory < 1) reject("lbfgs.memory", lbfgs.memory, "1 or more");
   if (!(gauss_newton.damping > 0.0)) {
     reject("gauss_newton.damping", gauss_newton.damping, "more than 0");
@@ -63,14 +76,24 @@ MinimizerOptions paper_options(Method method) {
   options.gradient_tolerance = 1e-12;
   options.test = GradientTest::kEuclidean;
   options.largest_turn = std::numeric_limits<double>::infinity();
+  options.always_interpolate = method == Method::kBfgs;
+  options.lbfgs.start = Lbfgs::Start::kScaledIdentity;
   return options;
 }
 
-std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkProblem&,
+std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkProblem& problem,
                                           const MinimizerOptions& options) {
   switch (options.method) {
+    case Method::kSteepestDescent:
+      return std::make_unique<SteepestDescent>();
+    case Method::kConjugateGradient:
+      return std::make_unique<ConjugateGradient>(tree, options.conjugate_gradient);
+    case Method::kBfgs:
+      return std::make_unique<Bfgs>(tree);
     case Method::kLbfgs:
       return std::make_unique<Lbfgs>(tree, options.lbfgs);
+    case Method::kLevenbergMarquardt:
+      return std::make_unique<LevenbergMarquardt>(tree, problem, options.levenberg_marquardt);
     case Method::kGaussNewton:
       return std::make_unique<GaussNewton>(tree, options.gauss_newton);
   }

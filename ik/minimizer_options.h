@@ -4,13 +4,22 @@
 #include <memory>
 #include <string>
 
+#include "ik/conjugate_gradient.h"
 #include "ik/direction.h"
 #include "ik/gauss_newton.h"
 #include "ik/lbfgs.h"
+#include "ik/levenberg_marquardt.h"
 
 namespace sinew {
 
-enum class Method { kLbfgs, kGaussNewton };
+enum class Method {
+  kSteepestDescent,
+  kConjugateGradient,
+  kBfgs,
+  kLbfgs,
+  kLevenbergMarquardt,
+  kGaussNewton,
+};
 enum class GradientKind { kDecomposed, kJacobian };
 
 /// What (e3) measures, over the unknowns that no bound holds.
@@ -19,7 +28,7 @@ enum class GradientTest {
   kEuclidean,     // ‖g‖₂ < tolerance, as in the paper
 };
 
-/// `lbfgs`, `gauss-newton`, …; what the command line takes and reports print.
+/// `steepest-descent`, `lbfgs`, …; what the command line takes and reports print.
 const char* to_string(Method method);
 /// Throws std::invalid_argument, listing the names there are, for another name.
 Method method_from_string(const std::string& name);
@@ -47,9 +56,15 @@ struct MinimizerOptions {
   // bounded.
   double largest_turn = 0.7;
 
+  // Let methods that scale their step start from the interpolated length too, as the paper does,
+  // rather than from 1. Costs them an evaluation an iteration and robs them of the exact step.
+  bool always_interpolate = false;
+
   bool record_iterations = false;  // fill Summary::rows
 
+  ConjugateGradient::Options conjugate_gradient;
   Lbfgs::Options lbfgs;
+  LevenbergMarquardt::Options levenberg_marquardt;
   GaussNewton::Options gauss_newton;
 
   /// Throws std::invalid_argument naming field, value and bound.
@@ -57,7 +72,7 @@ struct MinimizerOptions {
 };
 
 /// The method as Ayusawa & Nakamura 2012 ran it: k_max = 100000, ε₂ = ε₃ = 1e-12 with ‖g‖₂, no
-/// bound on turns.
+/// bound on turns, the line search interpolated in BFGS as well, L-BFGS (not in the paper) from γE.
 MinimizerOptions paper_options(Method method);
 
 /// The direction that the options name.

@@ -15,7 +15,7 @@ void IkOptions::add_to(CLI::App& command) {
                      "Motion file for tasks that take their values from a file");
   command.add_option("--from", from, "First time to solve [s]");
   command.add_option("--to", to, "Last time to solve [s]");
-  command.add_option("--method", method, "gauss-newton or lbfgs")->capture_default_str();
+  command.add_option("--method", method, "One of " + method_names())->capture_default_str();
   command
       .add_option("--gradient-tolerance", tolerance,
                   "A frame has converged when no entry of the gradient exceeds this times the sum "
