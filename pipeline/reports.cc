@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "data/input_file.h"
+#include "ik/summary.h"
 
 namespace sinew {
 namespace {
@@ -22,11 +23,6 @@ std::string cell(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
-}
-
-bool converged(Termination termination) {
-  return termination == Termination::kGradient || termination == Termination::kCostChange ||
-         termination == Termination::kStalled;
 }
 
 }  // namespace
