@@ -107,10 +107,8 @@ double Minimizer::length_to_largest_turn() const {
   return options_.largest_turn / turn;
 }
 
-// Evaluates f(q ⊞ length · d) and returns whether Armijo's condition holds for the clipped step.
-// The gradient of an accepted trial is always there afterwards; with_gradient computes both at
-// once, which is cheaper where acceptance is likely.
-bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient) {
+// Evaluates f(q ⊞ length · d), its gradient as well if asked to, and the slope of the clipped step.
+void Minimizer::evaluate_trial(const Iterate& at, double length, bool with_gradient) {
   length_ = length;
   step_ = length * d_;
   advance(tree_, workspace_.q, {step_.data(), static_cast<std::size_t>(step_.size())}, trial_.q);
@@ -131,6 +129,12 @@ bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient)
     update_poses(tree_, trial_);
     f_trial_ = cost(tree_, problem_, *at.targets, trial_);
   }
+}
+
+// Whether Armijo's condition holds at the length. The gradient there is known afterwards if it
+// does; with_gradient computes both at once, which is cheaper where acceptance is likely.
+bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient) {
+  evaluate_trial(at, length, with_gradient);
   // Clipping may turn a long step uphill. False where the cost is not a number.
   if (slope_ > 0.0 || !(f_trial_ <= at.f + kArmijo * slope_ + kCostRounding * at.f)) return false;
   if (!with_gradient) gradient(*at.targets, trial_, g_trial_);
@@ -142,11 +146,11 @@ bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient)
 double Minimizer::interpolated_length(const Iterate& at) {
   const double largest = length_to_largest_turn();
   double length = std::min(last_length_, largest);
-  try_length(at, length, false);
+  evaluate_trial(at, length, false);
   const auto usable = [&] { return std::isfinite(f_trial_) && slope_ < 0.0; };
   for (int trial = 0; !usable() && trial < kMaxTrials; ++trial) {
     length *= 0.5;
-    try_length(at, length, false);
+    evaluate_trial(at, length, false);
   }
   double bend = f_trial_ - at.f - slope_;
   if (std::abs(bend) < 10.0 * kCostRounding * at.f) {  // noise: the slopes still tell
@@ -189,7 +193,7 @@ bool Minimizer::step_by_direction(Iterate& at) {
 bool Minimizer::step_by_gradient(Iterate& at) {
   direction_->start();
   d_ = -at.g;
-  return (try_length(at, interpolated_length(at), false) || backtrack(at)) &&
+  return (try_length(at, interpolated_length(at), true) || backtrack(at)) &&
          f_trial_ < at.f * (1.0 - kCostRounding);
 }
 

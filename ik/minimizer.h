@@ -39,6 +39,7 @@ class Minimizer {
   void start_at(const IkTargets& targets, std::span<const double> q);
   void hold_bounds(Iterate& at) const;
   double length_to_largest_turn() const;
+  void evaluate_trial(const Iterate& at, double length, bool with_gradient);
   bool try_length(const Iterate& at, double length, bool with_gradient);
   double interpolated_length(const Iterate& at);
   bool backtrack(const Iterate& at);

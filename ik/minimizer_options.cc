@@ -40,6 +40,12 @@ Method method_from_string(const std::string& name) {
       fmt::format("there is no method '{}'; expected one of {}", name, method_names()));
 }
 
+std::vector<Method> all_methods() {
+  std::vector<Method> methods;
+  for (const MethodName& m : kMethods) methods.push_back(m.method);
+  return methods;
+}
+
 std::string method_names() {
   std::string names;
   for (const MethodName& m : kMethods) names += std::string(names.empty() ? "" : ", ") + m.name;

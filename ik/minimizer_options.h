@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "ik/conjugate_gradient.h"
 #include "ik/direction.h"
@@ -32,7 +33,9 @@ enum class GradientTest {
 const char* to_string(Method method);
 /// Throws std::invalid_argument, listing the names there are, for another name.
 Method method_from_string(const std::string& name);
-/// All names, separated by commas.
+/// In the order of Method.
+std::vector<Method> all_methods();
+/// Their names, separated by commas.
 std::string method_names();
 
 struct MinimizerOptions {
