@@ -100,6 +100,30 @@ bool decide_degrees(const MusculoskeletalModel& model, const TimeTableFile& file
   return degrees;
 }
 
+// OpenSim before 4.0 wrote every coordinate that its model calls rotational in degrees; since 4.0
+// those that only drive functions, such as a patella's, stay in radians. What tells is the coupler
+// that sets the coordinate: the unit in which the column keeps closer to it is the right one.
+bool is_coupled_in_degrees(const MusculoskeletalModel& model, std::size_t c,
+                           const TimeTableFile& file, const std::vector<int>& columns) {
+  if (model.coordinates[c].motion != Coordinate::Motion::kCoupled) return false;
+  for (const CoordinateCoupler& coupler : model.couplers) {
+    const auto from = static_cast<std::size_t>(coupler.independent);
+    if (coupler.dependent != static_cast<int>(c) || columns[from] < 0) continue;
+    const bool turns = model.coordinates[from].motion == Coordinate::Motion::kRotational;
+    const CompiledFunction function(coupler.function);
+    double error = 0.0, error_in_degrees = 0.0;
+    for (Eigen::Index i = 0; i < file.table.values.rows(); ++i) {
+      const double independent =
+          file.table.values(i, columns[from]) * (turns ? kRadiansPerDegree : 1.0);
+      const double value = file.table.values(i, columns[c]);
+      error += std::abs(value - function.value(independent));
+      error_in_degrees += std::abs(value * kRadiansPerDegree - function.value(independent));
+    }
+    return error_in_degrees < error;
+  }
+  return false;
+}
+
 void require_finite(const TimeTableFile& file, const std::vector<int>& columns) {
   for (const int column : columns) {
     for (Eigen::Index i = 0; column >= 0 && i < file.table.values.rows(); ++i) {
@@ -160,7 +184,16 @@ CoordinateTable coordinate_table(const MusculoskeletalModel& model, const TimeTa
                        coordinate.name, coordinate.default_value)});
       continue;
     }
-    const bool turn = degrees && coordinate.motion == Coordinate::Motion::kRotational;
+    const bool coupled_turn = degrees && is_coupled_in_degrees(model, c, file, columns);
+    if (coupled_turn) {
+      result.warnings.push_back(
+          {{file.path, 0},
+           fmt::format("coordinate '{}' is taken as degrees, as OpenSim before 4.0 wrote it: that "
+                       "is closer to what its coupler says than radians",
+                       coordinate.name)});
+    }
+    const bool turn =
+        coupled_turn || (degrees && coordinate.motion == Coordinate::Motion::kRotational);
     result.q.col(to) = file.table.values.col(columns[c]) * (turn ? kRadiansPerDegree : 1.0);
   }
   const std::vector<Eigen::Index> kept = distinct_rows(result);

@@ -30,6 +30,10 @@ struct CoordinateTable {
 /// than 20°; else radians. (One column may: a heading has no range that anyone keeps.) OpenSim goes
 /// by the ending: a .mot without a version is in degrees, everything else in radians.
 ///
+/// Coordinates that only drive functions are in their own unit even in a file in degrees, as
+/// OpenSim 4 writes them. OpenSim before 4.0 wrote them in degrees too: where a coupler sets the
+/// coordinate and the column is closer to it in degrees, it is taken so, with a warning.
+///
 /// Two rows at one time are dropped to one if they are identical, with a warning.
 /// Throws InputError for no rows, no column that is a coordinate, two columns for one coordinate,
 /// a value that is not finite (row and column), and different rows at one time.

@@ -102,6 +102,28 @@ TEST(CoordinateTable, DecidesUnitsByTheValuesWhereTheHeaderIsSilent) {
   }
 }
 
+// A coordinate that a coupler sets to half of the shoulder's angle and that only drives functions.
+TEST(CoordinateTable, TakesCoupledCoordinatesInTheUnitThatTheirCouplerSays) {
+  MusculoskeletalModel model = two_link_model();
+  const int shoulder = model.find_coordinate("shoulder_angle");
+  const int elbow = model.find_coordinate("elbow_angle");
+  model.coordinates[static_cast<std::size_t>(elbow)].motion = Coordinate::Motion::kCoupled;
+  model.couplers.push_back({"half", elbow, shoulder, {LinearFunction{0.5, 0.0}}, {}});
+  const RowMatrix before_4{{20.0, 10.0}, {60.0, 30.0}};
+  RowMatrix since_4 = before_4;
+  since_4.col(1) *= kDegree;
+  for (const RowMatrix& values : {before_4, since_4}) {
+    const CoordinateTable table =
+        coordinate_table(model, motion({"shoulder_angle", "elbow_angle"}, values, true));
+    EXPECT_NEAR(table.q(1, elbow), 30.0 * kDegree, 1e-15);
+    ASSERT_EQ(table.warnings.size(), values == before_4 ? 1u : 0u);
+  }
+  model.couplers.clear();
+  EXPECT_EQ(coordinate_table(model, motion({"shoulder_angle", "elbow_angle"}, before_4, true))
+                .q(1, elbow),
+            30.0);
+}
+
 TEST(CoordinateTable, DropsRepeatedRows) {
   TimeTableFile file = motion({"shoulder_angle", "elbow_angle"},
                               RowMatrix{{0.1, 0.2}, {0.3, 0.4}, {0.3, 0.4}}, false);
