@@ -33,8 +33,12 @@ void Bfgs::update(const Iterate& at) {
   // As in L-BFGS: curvature that is not positive beyond rounding would make H indefinite.
   if (!(sy > 1e-12 * at.s.norm() * at.y.norm())) return;
   Hy_.noalias() = H_.selfadjointView<Eigen::Lower>() * at.y;
-  H_.selfadjointView<Eigen::Lower>().rankUpdate(at.s, Hy_, -1.0 / sy);
-  H_.selfadjointView<Eigen::Lower>().rankUpdate(at.s, (1.0 + at.y.dot(Hy_) / sy) / sy);
+  const double ss = (1.0 + at.y.dot(Hy_) / sy) / sy;
+  for (Eigen::Index j = 0; j < H_.cols(); ++j) {  // Eigen's rank-two update allocates
+    const Eigen::Index below = H_.rows() - j;
+    H_.col(j).tail(below) +=
+        (ss * at.s[j] - Hy_[j] / sy) * at.s.tail(below) - at.s[j] / sy * Hy_.tail(below);
+  }
 }
 
 bool Bfgs::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
