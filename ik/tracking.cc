@@ -185,6 +185,10 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
   }
 
   const int threads = options.threads == 0 ? tbb::info::default_concurrency() : options.threads;
+  // Without this TBB gives no more threads than there are cores, and says so on the terminal.
+  const tbb::global_control allowed(
+      tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(std::max(threads, tbb::info::default_concurrency())));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_for(
