@@ -27,6 +27,11 @@ std::vector<std::string> unique_labels(C3dFile& file, const char* parameter,
                            "...",
                            parameter, labels.size(), count));
   }
+  labels.resize(std::min(labels.size(), wanted));
+  if (const auto blank = std::count(labels.begin(), labels.end(), ""); blank > 0) {
+    warn(file, fmt::format("{} of {} are blank; they are called unnamed_1, unnamed_2, ...", blank,
+                           parameter));
+  }
   labels.resize(wanted);
   std::unordered_set<std::string> taken(labels.begin(), labels.end());
   std::unordered_map<std::string, int> copies;

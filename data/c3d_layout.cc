@@ -133,7 +133,7 @@ class Weighing {
       signed_scale_ = -1.0;
     }
     layout_.scale = std::abs(signed_scale_);
-    if (by_parameter == 0.0) {
+    if (by_parameter == 0.0 && has_header) {
       warn("POINT:SCALE is missing; the header's {:.6g} was used", header_.scale);
     } else if (has_header && !nearly_equal(std::abs(by_parameter), layout_.scale)) {
       warn("POINT:SCALE is {:.6g}, the header's scale {:.6g}; the latter was used", by_parameter,
@@ -211,8 +211,8 @@ class Weighing {
           channels, header_.analog_per_frame, header_.analog_ratio, layout_.analog_channels,
           layout_.analog_ratio);
     }
-    if (layout_.reals != (signed_scale_ < 0.0)) {
-      warn("the header's scale and POINT:SCALE differ in sign; data fill the file as {}",
+    if (other_format_) {
+      warn("the header's scale and POINT:SCALE differ in sign; data were read as {}",
            layout_.reals ? "reals" : "integers");
     }
     const double analog_rate = number("ANALOG", "RATE", 0.0);
@@ -237,6 +237,7 @@ class Weighing {
     const std::int64_t start = field("ACTUAL_START_FIELD"), end = field("ACTUAL_END_FIELD");
     std::int64_t by_header = std::int64_t{header_.last_frame} - header_.first_frame + 1;
     if (by_header <= 0 && header_.last_frame > 0) by_header += kFullWord + 1;  // wrapped around
+    if (header_.last_frame == kFullWord && end > kFullWord) by_header = -1;  // as far as it counts
     return {{"TRIAL:ACTUAL_START_FIELD and ACTUAL_END_FIELD",
              start >= 0 && end >= start ? end - start + 1 : -1},
             {"POINT:LONG_FRAMES", count("POINT", "LONG_FRAMES")},
@@ -271,6 +272,12 @@ class Weighing {
       promised = std::max(promised, frames);
       if (frames >= 0 && frames <= whole) layout_.frames = std::max(layout_.frames, frames);
       saturated = saturated || frames == kFullWord;
+    }
+    // A frame may be shorter than the padding of the last block. Then the header decides.
+    const std::int64_t by_header = frame_counts().back().second;
+    if (by_header > 0 && by_header <= layout_.frames &&
+        room - static_cast<std::uint64_t>(by_header) * layout_.frame_bytes < kBlock) {
+      layout_.frames = by_header;
     }
     if (promised > 0 && whole == 0) fail_frames(room);
     if (promised > whole) {
