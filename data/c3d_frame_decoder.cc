@@ -40,13 +40,14 @@ bool has_unsigned_format(const C3dGroups& groups, const C3dLayout& layout,
                          const std::vector<double>& offsets) {
   const std::vector<std::string> format = find_texts(groups, "ANALOG", "FORMAT");
   if (!format.empty() && !format.front().empty()) {
-    return text::lower(format.front()).starts_with("unsigned");
+    return text::lower(format.front()).starts_with("unsign");
   }
   // Without FORMAT, converters of 16 bits that count from 0 give themselves away by an offset of
   // half their range, which is negative as a signed word.
   const double lowest = offsets.empty() ? 0.0 : *std::min_element(offsets.begin(), offsets.end());
-  return !layout.reals && find_number(groups, "ANALOG", "BITS").value_or(0.0) == 16.0 &&
-         lowest < -32000.0;
+  const bool has_16_bits =
+      layout.reals || find_number(groups, "ANALOG", "BITS").value_or(0.0) == 16.0;
+  return has_16_bits && lowest < -32000.0;
 }
 
 }  // namespace

@@ -108,6 +108,10 @@ class C3dReader::Implementation {
     c3d::PointNames names = c3d::name_everything(file_);
     file_.events = c3d::find_events(file_, file_.warnings);
     find_unit();
+    if (const double rotations = find_number(file_.groups, "ROTATION", "USED").value_or(0.0);
+        rotations > 0.0) {
+      warn(fmt::format("the {} rotations of group ROTATION were not read", rotations));
+    }
     decoder_.emplace(file_, std::move(names),
                      c3d::find_scales(file_.groups, file_.layout, file_.path, file_.warnings));
     scan();

@@ -272,11 +272,15 @@ class Writer {
       fourth = -1.0;
     } else if (integers_) {
       p /= scales_.point;
-      // 0, 0, 0 would be read as not measured.
-      if (p.cwiseAbs().maxCoeff() < 0.5) p.x() = 1.0;
     }
     for (const double coordinate : p) put(out, coordinate);
     put(out, fourth);
+  }
+
+  // 0, 0, 0 would be read as not measured.
+  void put_marker(std::string& out, Eigen::Vector3d p, double fourth) const {
+    if (integers_ && p.cwiseAbs().maxCoeff() < 0.5 * scales_.point) p.x() = scales_.point;
+    put_point(out, p, fourth);
   }
 
   double fourth_number(Eigen::Index frame, Eigen::Index marker) const {
@@ -293,7 +297,7 @@ class Writer {
     for (Eigen::Index frame = 0; frame < frames_; ++frame) {
       for (Eigen::Index i = 0; i < markers_; ++i) {
         const Eigen::Vector3d p = file_.markers.p_WM.row(frame).segment<3>(3 * i);
-        put_point(out, p / file_.metres_per_unit, fourth_number(frame, i));
+        put_marker(out, p / file_.metres_per_unit, fourth_number(frame, i));
       }
       for (Eigen::Index i = 0; i < points_ - markers_; ++i) {
         put_point(out, file_.computed.values.row(frame).segment<3>(3 * i), 0.0);

@@ -318,5 +318,50 @@ TEST(C3dMalformed, WarningsSayHowItWasUnderstood) {
   }
 }
 
+// Without the folder.
+std::string warnings_of(const C3dFile& file) {
+  std::string text;
+  for (const Warning& warning : file.warnings) text += warning.text + "\n";
+  return text;
+}
+
+TEST(C3dMalformed, FilesWithoutMarkersAreRead) {
+  const TemporaryFolder folder;
+  C3dFile file = small_file();
+  file.markers.names.clear();
+  file.markers.p_WM.resize(5, 0);
+  write_c3d(folder.path() / "analog.c3d", file);
+  const C3dFile analog = read_c3d(folder.path() / "analog.c3d");
+  EXPECT_EQ(warnings_of(analog), "");
+  EXPECT_EQ(analog.markers.frame_count(), 5);
+  EXPECT_TRUE(identical(analog.analog.values, file.analog.values));
+
+  file.analog = {};
+  file.markers.p_WM.resize(0, 0);
+  file.markers.frame_numbers.clear();
+  set_parameter(file.groups, "ROTATION", C3dParameter::of_integers("USED", {}, {21}));
+  write_c3d(folder.path() / "rotations.c3d", file);
+  const C3dFile rotations = read_c3d(folder.path() / "rotations.c3d");
+  EXPECT_EQ(warnings_of(rotations),
+            "the file has neither points nor analog channels\n"
+            "the 21 rotations of group ROTATION were not read\n");
+  EXPECT_EQ(rotations.markers.frame_count(), 0);
+}
+
+TEST(C3dMalformed, IntegerSamplesWithoutSignAreRead) {
+  const TemporaryFolder folder;
+  write_c3d(folder.path() / "a.c3d", small_file(), {.integers = true});
+  Bytes bytes(content_of(folder.path() / "a.c3d"));
+  const double step = 10.0 / 32000.0;  // of the channel, whose largest value is 10 N
+  // The first sample comes behind two points of four words. It and the offset count from 0.
+  bytes.word(1 + bytes.data() / 2 + 8, 40000);
+  const std::size_t offset = bytes.value_of("OFFSET", kAnalog, 1);
+  bytes.byte(offset, 0).byte(offset + 1, 0x80);  // 32768
+  const std::size_t format = bytes.value_of("FORMAT", kAnalog, 1);
+  for (std::size_t i = 0; i < 6; ++i) bytes.byte(format + i, "UNSIGN"[i]);
+  const C3dFile file = read_c3d(folder.write("b.c3d", bytes.text()));
+  EXPECT_NEAR(file.analog.values(0, 0), (40000 - 32768) * step, 1e-6);
+}
+
 }  // namespace
 }  // namespace sinew

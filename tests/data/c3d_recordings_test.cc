@@ -165,6 +165,12 @@ TEST_F(C3dRecordings, ByteOrdersAndNumberFormatsAgree) {
   expect_same(second, read_c3d(kSamples / "sample_02/dec_int.c3d"), step, 0.0);
 }
 
+TEST_F(C3dRecordings, SamplesWithoutSignAreCenteredByTheirOffset) {
+  // Converters of 16 bits at rest; some channels have 32768 as offset, -32768 as a signed word.
+  const C3dFile file = read_c3d(kSamples / "sample_07/16bitanalog.c3d");
+  EXPECT_LE(file.analog.values.rightCols(8).cwiseAbs().maxCoeff(), 50.0);
+}
+
 TEST_F(C3dRecordings, MovedBlocksChangeNothing) {
   const C3dFile first = read_c3d(kSamples / "sample_01/Eb015pi.c3d");
   for (const char* name : {"A", "B", "C", "D"}) {
