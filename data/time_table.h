@@ -14,7 +14,7 @@ namespace sinew {
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Named columns sampled at common times: what a MOT or STO file holds. Values keep the file's
-/// units, because only a model knows which columns are angles; see model/coordinate_table.h.
+/// units, because only a model knows which columns are angles; see dynamics/coordinate_table.h.
 struct TimeTable {
   std::string name;                 // first header line
   std::vector<std::string> labels;  // one a column, without `time`
