@@ -150,8 +150,8 @@ TimeTable lowpass_with_padding(const TimeTable& table, double cutoff) {
   const auto rows = static_cast<int>(table.time.size());
   if (rows < kPasses + 1) {
     fail(
-        fmt::format("a third-order filter needs at least {} frames, there are {}. Leave the "
-                    "cutoff out for no filter.",
+        fmt::format("a third-order filter needs at least {} frames, there are {}. Choose "
+                    "a negative cutoff for no filter.",
                     kPasses + 1, rows));
   }
   check_time_and_values(table);

@@ -9,7 +9,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -25,6 +27,8 @@ namespace {
 constexpr double kRangeSlack = 1e-3;
 // Frames a task takes at once: some 0.1 ms of work, against 1 µs to start a task.
 constexpr int kGrain = 4;
+// Frames between two reports of progress: a few milliseconds.
+constexpr int kReportEvery = 64;
 
 struct CompiledCoupler {
   std::size_t dependent, independent;
@@ -168,6 +172,26 @@ class Solver {
   std::vector<CompiledCoupler> couplers_;
 };
 
+// Reports progress from any thread, one at a time, and remembers a request to stop.
+class Progress {
+ public:
+  Progress(const InverseDynamicsOptions& options, int total) : options_(options), total_(total) {}
+  void frame_done() {
+    const int done = ++done_;
+    if (!options_.progress || (done % kReportEvery != 0 && done != total_)) return;
+    const std::lock_guard lock(mutex_);
+    if (!options_.progress(done, total_)) stopped_ = true;
+  }
+  bool stopped() const { return stopped_; }
+
+ private:
+  const InverseDynamicsOptions& options_;
+  const int total_;
+  std::atomic<int> done_ = 0;
+  std::atomic<bool> stopped_ = false;
+  std::mutex mutex_;
+};
+
 // The coordinates that have a column.
 std::vector<std::size_t> reported_coordinates(std::size_t count,
                                               const std::vector<CompiledCoupler>& couplers) {
@@ -257,17 +281,20 @@ TimeTable generalized_forces(const MusculoskeletalModel& model, const SimbodyMod
   result.name = "Inverse Dynamics Generalized Forces";
   result.in_degrees = false;
   result.time = times;
-  result.values.resize(times.size(), static_cast<Eigen::Index>(reported.size()));
+  result.values.setConstant(times.size(), static_cast<Eigen::Index>(reported.size()), kNaN);
   for (const std::size_t c : reported) result.labels.push_back(force_label(model.coordinates[c]));
 
   tbb::enumerable_thread_specific<Workspace> workspaces([&] { return Workspace(compiled); });
+  Progress progress(options, static_cast<int>(times.size()));
   const auto solve_frames = [&](const tbb::blocked_range<Eigen::Index>& frames) {
+    if (progress.stopped()) return;
     Workspace& w = workspaces.local();
     for (Eigen::Index i = frames.begin(); i < frames.end(); ++i) {
       solver.solve(times[i], w);
       for (std::size_t k = 0; k < reported.size(); ++k) {
         result.values(i, static_cast<Eigen::Index>(k)) = w.tau[reported[k]];
       }
+      progress.frame_done();
     }
   };
   // oneTBB complains on stderr about more threads than the machine has.
@@ -294,12 +321,19 @@ InverseDynamicsResult inverse_dynamics(const MusculoskeletalModel& model,
         {{model.name, 0},
          fmt::format(
              "Simbody, and so OpenSim, gets accelerations wrong in custom joints whose turns "
-             "share a coordinate or follow another order than the coordinates: {}. Choose "
-             "exact custom joints for torques that match the motion's energy",
+             "share a coordinate or follow another order than the coordinates: {}. Exact custom "
+             "joints (--exact-custom-joints) give torques that match the motion's energy",
              fmt::join(affected, ", "))});
   }
+  InverseDynamicsOptions watched = options;
+  if (options.progress) {
+    watched.progress = [&](int done, int total) {
+      if (!options.progress(done, total)) result.stopped = true;
+      return !result.stopped;
+    };
+  }
   result.forces =
-      generalized_forces(model, compiled, spline, loads, frames_in_range(motion, options), options);
+      generalized_forces(model, compiled, spline, loads, frames_in_range(motion, options), watched);
   return result;
 }
 

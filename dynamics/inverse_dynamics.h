@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct InverseDynamicsOptions {
   bool exact_custom_joints = false;
   /// Threads to use; 0: as many as the machine has. The result's bytes do not depend on it.
   int threads = 0;
+  /// Called from time to time, from any thread but one at a time, with the number of frames done;
+  /// return false to stop early.
+  std::function<bool(int done, int total)> progress = {};
 
   /// Throws std::invalid_argument naming field, value and bound.
   void validate() const;
@@ -42,6 +46,7 @@ struct InverseDynamicsOptions {
 struct InverseDynamicsResult {
   TimeTable forces;  // see generalized_forces
   std::vector<Warning> warnings;
+  bool stopped = false;  // `progress` asked to stop; rows that were not solved are NaN
 };
 
 /// Generalized forces at given times: what actuators of the coordinates would have to give for the
@@ -58,8 +63,9 @@ struct InverseDynamicsResult {
 /// its coordinate's rate, so that tau·q̇ is the power; for ball and free joints, whose speeds are
 /// angular velocities, that is N⁻ᵀ times the force on the speeds. (OpenSim's tool takes q̇ for u
 /// there, which is wrong as soon as the joint turns about more than one axis.)
-/// Frames are solved in parallel; O(bodies) a frame. Throws InputError if `loads` do not cover
-/// `times`, std::invalid_argument if sizes differ.
+/// Frames are solved in parallel; O(bodies) a frame. Where options.progress stops the work, the
+/// rows that were not solved are NaN. Throws InputError if `loads` do not cover `times`,
+/// std::invalid_argument if sizes differ.
 TimeTable generalized_forces(const MusculoskeletalModel& model, const SimbodyModel& compiled,
                              const CoordinateSpline& motion, const ExternalLoads& loads,
                              const Eigen::VectorXd& times, const InverseDynamicsOptions& options);

@@ -183,7 +183,7 @@ TEST(LowpassWithPadding, RejectsWhatItCannotFilter) {
   const TimeTable short_table = table_of(time.head(3), Eigen::VectorXd::Ones(3));
   EXPECT_EQ(
       error_of([&] { lowpass_with_padding(short_table, 6.0); }),
-      "a third-order filter needs at least 4 frames, there are 3. Leave the cutoff out for no "
+      "a third-order filter needs at least 4 frames, there are 3. Choose a negative cutoff for no "
       "filter.");
 }
 

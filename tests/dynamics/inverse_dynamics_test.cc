@@ -453,6 +453,39 @@ TEST(InverseDynamics, GivesTheSameBytesForAnyNumberOfThreads) {
   }
 }
 
+TEST(InverseDynamics, ReportsProgressAndStops) {
+  const MusculoskeletalModel model = random_model(21);
+  const SimbodyModel compiled(model);
+  const CoordinateTable motion = swinging_motion(model, 21, 0.4);
+  const int frames = static_cast<int>(motion.time.size());
+  int last = 0;
+  InverseDynamicsOptions options;
+  options.threads = 1;
+  options.progress = [&](int done, int total) {
+    EXPECT_EQ(total, frames);
+    EXPECT_GT(done, last);
+    last = done;
+    return true;
+  };
+  const InverseDynamicsResult whole = inverse_dynamics(model, compiled, motion, {}, options);
+  EXPECT_EQ(last, frames);
+  EXPECT_FALSE(whole.stopped);
+  options.progress = [](int, int) { return false; };
+  const InverseDynamicsResult part = inverse_dynamics(model, compiled, motion, {}, options);
+  EXPECT_TRUE(part.stopped);
+  int missing = 0;
+  for (int row = 0; row < frames; ++row) {
+    const auto values = part.forces.values.row(row);
+    if (values.array().isNaN().all()) {
+      ++missing;
+    } else {
+      EXPECT_EQ(values, whole.forces.values.row(row)) << row;
+    }
+  }
+  EXPECT_GT(missing, 0);
+  EXPECT_LT(missing, frames);
+}
+
 TEST(InverseDynamics, SolvesTheFramesInRange) {
   const MusculoskeletalModel model = two_link_model();
   const SimbodyModel compiled(model);
