@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -13,8 +14,8 @@ namespace {
 volatile std::sig_atomic_t g_interrupts = 0;
 
 extern "C" void on_interrupt(int) {
-  g_interrupts = g_interrupts + 1;
-  if (g_interrupts > 1) std::signal(SIGINT, SIG_DFL);
+  g_interrupts = 1;
+  std::signal(SIGINT, SIG_DFL);
 }
 
 }  // namespace
@@ -23,8 +24,10 @@ void watch_interrupts() { std::signal(SIGINT, on_interrupt); }
 
 bool interrupted() { return g_interrupts > 0; }
 
-void print_warnings(const std::vector<Warning>& warnings) {
-  for (const Warning& warning : warnings) {
+void report(std::vector<Warning>& all, const std::vector<Warning>& more) {
+  for (const Warning& warning : more) {
+    if (std::find(all.begin(), all.end(), warning) != all.end()) continue;
+    all.push_back(warning);
     fmt::print(stderr, "warning: {}\n", to_string(warning));
   }
 }
@@ -36,6 +39,7 @@ std::function<bool(int, int)> progress_bar(std::string what) {
     std::chrono::steady_clock::time_point last = start;
     bool shown = false;
   };
+  watch_interrupts();
   auto state = std::make_shared<State>();
   state->what = std::move(what);
   return [state](int done, int total) {

@@ -26,14 +26,16 @@ void add_id_command(CLI::App& app, int& exit_code);
 void add_validate_command(CLI::App& app, int& exit_code);
 void add_example_command(CLI::App& app, int& exit_code);
 
-/// Prints warnings to standard error, one a line.
-void print_warnings(const std::vector<Warning>& warnings);
+/// Appends the warnings that are not in `all` yet (readers share some) and prints these to standard
+/// error, one a line.
+void report(std::vector<Warning>& all, const std::vector<Warning>& more);
 
 /// A progress bar on standard error that appears only after two seconds, and stops work on Ctrl-C:
-/// returns false then. Install it with watch_interrupts() first.
+/// returns false then. Calls watch_interrupts().
 std::function<bool(int done, int total)> progress_bar(std::string what);
 
-/// From here on Ctrl-C asks for a stop instead of ending the process; a second one ends it.
+/// From here on Ctrl-C asks for a stop instead of ending the process; a second one ends it. Outputs
+/// that are being written are completed.
 void watch_interrupts();
 bool interrupted();
 

@@ -1,38 +1,46 @@
 #include <fmt/format.h>
 
 #include "data/storage_file.h"
+#include "data/tool_setup.h"
 #include "dynamics/coordinate_table.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
 #include "pipeline/id_job.h"
+#include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
+#include "pipeline/option_checks.h"
+#include "pipeline/output_check.h"
 
 namespace sinew {
 namespace {
 
 struct IdCommand {
-  std::string setup, model, coordinates, loads, load_data, out;
-  std::optional<double> from, to, cutoff;
-  bool project_couplers = false;
+  std::string setup, model, coordinates, out;
+  IdOptions dynamics;
+  TimeRange range;
   int threads = 0;
+  std::optional<double> setup_cutoff;  // [Hz]
 
   // What the command line left open comes from the setup.
   void merge(const IdSetup& tool) {
     const auto fill = [&](std::string& option, const std::filesystem::path& file,
-                          const char* element) {
+                          const char* element, const char* name) {
       if (!option.empty()) return;
-      require_file(file, location_of(tool, element), element);
+      require_file(file, location_of(tool, element), element, name);
       option = file.string();
     };
-    fill(model, tool.model_file, "model_file");
-    fill(coordinates, tool.coordinates_file, "coordinates_file");
+    fill(model, tool.model_file, "model_file", "--model");
+    fill(coordinates, tool.coordinates_file, "coordinates_file", "--coordinates");
     if (!tool.external_loads_file.empty()) {
-      fill(loads, tool.external_loads_file, "external_loads_file");
+      fill(dynamics.loads, tool.external_loads_file, "external_loads_file", "--loads");
     }
-    if (out.empty()) out = tool.output_file.string();
-    if (!from) from = tool.from;
-    if (!to) to = tool.to;
-    if (!cutoff) cutoff = tool.cutoff;
+    if (out.empty()) {
+      require_own_path(tool.output_file, location_of(tool, "results_directory"),
+                       "results_directory");
+      out = tool.output_file.string();
+    }
+    range.fill(tool.from, tool.to, location_of(tool, "time_range"));
+    setup_cutoff = tool.cutoff;
   }
 
   void require_options() const {
@@ -43,37 +51,40 @@ struct IdCommand {
     if (out.empty()) throw std::invalid_argument("no output file: give --out FILE.sto");
   }
 
+  InputFiles inputs() const {
+    return {{"setup", setup},
+            {"model", model},
+            {"coordinates", coordinates},
+            {"loads", dynamics.loads},
+            {"load_data", dynamics.load_data}};
+  }
+
   int run() {
     std::vector<Warning> warnings;
     if (!setup.empty()) {
       const IdSetup tool = read_id_setup(setup);
-      warnings = tool.warnings;
+      report(warnings, tool.warnings);
       merge(tool);
     }
     require_options();
+    check_output(out, inputs());
     const MusculoskeletalModel description = read_osim(model);
+    report(warnings, description.warnings);
     const CoordinateTable motion = coordinate_table(description, read_storage(coordinates));
-    std::filesystem::path data = load_data;
-    const ExternalLoads external = read_loads(description, loads, data, warnings);
-    const SimbodyModel compiled(description);
-    InverseDynamicsOptions options;
-    options.cutoff = cutoff.value_or(kDefaultCutoff);
-    options.from = from;
-    options.to = to;
-    options.project_couplers = project_couplers;
-    options.threads = threads;
-    const InverseDynamicsResult result =
-        inverse_dynamics(description, compiled, motion, external, options);
-    for (const std::vector<Warning>* more :
-         {&description.warnings, &motion.warnings, &result.warnings}) {
-      warnings.insert(warnings.end(), more->begin(), more->end());
-    }
-    print_warnings(warnings);
-    write_storage(out, result.forces);
-    fmt::print("{} frames, coordinates {}\n{}\n", result.forces.time.size(),
-               options.cutoff > 0.0 ? fmt::format("low-passed at {} Hz", options.cutoff)
-                                    : std::string("not filtered"),
-               out);
+    report(warnings, motion.warnings);
+    IdJob job = prepare_id(description, dynamics, setup_cutoff, threads, warnings);
+    check_output(out, {{"load_data", job.load_data_file}});
+    std::vector<Warning> of_range;
+    const auto [first, end] = frames_within(motion.time, range, coordinates, of_range);
+    report(warnings, of_range);
+    job.options.from = motion.time[first];
+    job.options.to = motion.time[end - 1];
+    const std::optional<InverseDynamicsResult> result = solve_id(description, motion, job);
+    if (!result) return kExitFailed;
+    report(warnings, result->warnings);
+    write_storage(out, result->forces);
+    fmt::print("{} frames, coordinates {}\n{}\n", result->forces.time.size(),
+               filter_text(job.options.cutoff), out);
     return kExitOk;
   }
 };
@@ -86,21 +97,14 @@ void add_id_command(CLI::App& app, int& exit_code) {
   sub->add_option("--setup", command->setup,
                   "OpenSim InverseDynamicsTool setup; options given here take precedence over it");
   sub->add_option("--model", command->model, "OpenSim model (.osim)");
-  sub->add_option("--coordinates", command->coordinates, "Joint angles (.mot or .sto)");
-  sub->add_option("--loads", command->loads, "OpenSim ExternalLoads (.xml)");
-  sub->add_option("--load-data", command->load_data,
-                  "Force data (.mot or .sto) instead of the one that --loads names");
-  sub->add_option(
-      "--cutoff", command->cutoff,
-      fmt::format("Zero-lag low-pass of the coordinates [Hz], negative for none; {} without "
-                  "a setup",
-                  kDefaultCutoff));
-  sub->add_option("--from", command->from, "First time to solve [s]");
-  sub->add_option("--to", command->to, "Last time to solve [s]");
-  sub->add_flag("--project-couplers", command->project_couplers,
-                "Fold the forces of coupled coordinates onto the coordinates that drive them");
+  sub->add_option("--coordinates", command->coordinates,
+                  "Joint angles (.mot or .sto), in degrees or radians as their header says");
+  command->dynamics.add_to(*sub);
+  sub->add_option("--from", command->range.from, "First time to solve [s]")->check(a_time());
+  sub->add_option("--to", command->range.to, "Last time to solve [s]")->check(a_time());
   sub->add_option("--threads", command->threads,
                   "Threads to use, 0 for all; results do not depend on it")
+      ->check(a_thread_count())
       ->capture_default_str();
   sub->add_option("--out", command->out, "Generalized forces to write (.sto) [N m, N]");
   sub->callback([command, &exit_code] { exit_code = command->run(); });

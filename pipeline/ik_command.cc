@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "data/storage_file.h"
 #include "pipeline/command.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
+#include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 
 namespace sinew {
@@ -22,36 +21,32 @@ struct IkCommand {
     std::vector<Warning> warnings;
     if (!setup.empty()) {
       const IkSetup tool = read_ik_setup(setup);
-      warnings = tool.warnings;
-      merge(tool, options, inputs);
-      if (output.empty()) output = tool.output_motion_file;
+      report(warnings, tool.warnings);
+      merge(tool, inputs);
+      if (output.empty() && !tool.output_motion_file.empty()) {
+        output = tool.output_motion_file;
+        require_own_path(output, location_of(tool, "output_motion_file"), "output_motion_file");
+      }
     }
     options.require_files(inputs);
     if (output.empty()) {
       throw std::invalid_argument(
           "no output file: give --out FILE, or name <output_motion_file> in the setup");
     }
+    InputFiles files = input_files(inputs);
+    files.emplace_back("setup", setup);
+    check_output(output, files);
     IkJob job = prepare_ik(inputs);
-    warnings.insert(warnings.end(), job.warnings.begin(), job.warnings.end());
-    print_warnings(warnings);
-    watch_interrupts();
-    job.options.progress = progress_bar("inverse kinematics");
-    const TrackingResult result =
-        track(job.model, job.tree, job.tracking, job.recording.markers, job.options);
-    if (result.stopped) {
-      fmt::print(stderr, "stopped; nothing was written\n");
-      return kExitFailed;
-    }
-    write_storage(output, coordinate_motion(job.model, result));
+    report(warnings, job.warnings);
+    const std::optional<TrackingResult> result = solve_ik(job);
+    if (!result) return kExitFailed;
+    write_storage(output, coordinate_motion(job.model, *result));
     fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}\n",
-               result.frames.size(), result.seconds,
-               1e3 * result.seconds / static_cast<double>(result.frames.size()),
-               1e3 * total_marker_rms(result), output.string());
-    if (const int bad = unconverged_frames(result); bad > 0) {
-      fmt::print(stderr, "warning: {} frames did not converge\n", bad);
-      return kExitFailed;
-    }
-    return kExitOk;
+               result->frames.size(), result->seconds,
+               1e3 * result->seconds / static_cast<double>(result->frames.size()),
+               1e3 * total_marker_rms(*result), output.string());
+    report(warnings, frame_warnings(*result, job.recording.path));
+    return unconverged_frames(*result) == 0 ? kExitOk : kExitFailed;
   }
 };
 

@@ -10,12 +10,20 @@
 #include "data/trc_file.h"
 #include "dynamics/coordinate_spline.h"
 #include "model/osim_file.h"
+#include "pipeline/command.h"
 
 namespace sinew {
 namespace {
 
 void append(std::vector<Warning>& all, const std::vector<Warning>& more) {
   all.insert(all.end(), more.begin(), more.end());
+}
+
+// `1 s to 2 s`, `from 1 s on`, …
+std::string to_text(const TimeRange& range) {
+  if (!range.from) return range.to ? fmt::format("up to {:.6g} s", *range.to) : "all";
+  if (!range.to) return fmt::format("from {:.6g} s on", *range.from);
+  return fmt::format("{:.6g} s to {:.6g} s", *range.from, *range.to);
 }
 
 // Values of a coordinate file at the recording's times; NaN outside the file and for coordinates
@@ -38,6 +46,13 @@ RowMatrix values_at(const Eigen::VectorXd& time, const CoordinateTable& table) {
 
 }  // namespace
 
+InputFiles input_files(const IkInputs& inputs) {
+  return {{"model", inputs.model_file},
+          {"markers", inputs.marker_file},
+          {"tasks", inputs.task_file},
+          {"task_coordinates", inputs.coordinate_file}};
+}
+
 IkJob prepare_ik(const IkInputs& inputs) {
   IkJob job;
   job.model = read_osim(inputs.model_file);
@@ -57,28 +72,59 @@ IkJob prepare_ik(const IkInputs& inputs) {
                      values.size() > 0 ? &values : nullptr);
   append(job.warnings, job.tracking.warnings);
   std::tie(job.options.first_frame, job.options.end_frame) =
-      frames_within(job.recording.markers.time, inputs.from, inputs.to, job.recording.path);
+      frames_within(job.recording.markers.time, inputs.range, job.recording.path, job.warnings);
   job.options.minimizer.method = method_from_string(inputs.method);
   job.options.minimizer.gradient_tolerance = inputs.tolerance;
   job.options.threads = inputs.threads;
   return job;
 }
 
-std::pair<int, int> frames_within(const Eigen::VectorXd& time, std::optional<double> from,
-                                  std::optional<double> to, const std::string& file) {
+std::optional<TrackingResult> solve_ik(IkJob& job) {
+  job.options.progress = progress_bar("inverse kinematics");
+  TrackingResult result =
+      track(job.model, job.tree, job.tracking, job.recording.markers, job.options);
+  if (result.stopped) {
+    fmt::print(stderr, "stopped; no results were written\n");
+    return std::nullopt;
+  }
+  require_finite_results(coordinate_motion(job.model, result), "inverse kinematics");
+  return result;
+}
+
+void TimeRange::fill(std::optional<double> setup_from, std::optional<double> setup_to,
+                     const SourceLocation& setup_at) {
+  if ((!from && setup_from) || (!to && setup_to)) at = setup_at;
+  if (!from) from = setup_from;
+  if (!to) to = setup_to;
+}
+
+std::pair<int, int> frames_within(const Eigen::VectorXd& time, const TimeRange& range,
+                                  const std::string& file, std::vector<Warning>& warnings) {
+  const SourceLocation at = range.at.file.empty() ? SourceLocation{file, 0} : range.at;
+  if (range.from && range.to && *range.from > *range.to) {
+    throw InputError(
+        at, {fmt::format("the time range ends at {:.6g} s, before it begins at {:.6g} s", *range.to,
+                         *range.from),
+             "", "", "Exchange --from and --to."});
+  }
   const Eigen::Index n = time.size();
   // Files print times rounded; a thousandth of a step is far more than that and far less than one.
-  const double slack = n > 1 ? 1e-3 * (time[n - 1] - time[0]) / static_cast<double>(n - 1) : 0.0;
+  const double step = n > 1 ? (time[n - 1] - time[0]) / static_cast<double>(n - 1) : 0.0;
+  const double slack = 1e-3 * step;
+  const double from = range.from.value_or(time[0]), to = range.to.value_or(time[n - 1]);
   Eigen::Index first = 0, end = n;
-  while (first < n && from && time[first] < *from - slack) ++first;
-  while (end > first && to && time[end - 1] > *to + slack) --end;
+  while (first < n && time[first] < from - slack) ++first;
+  while (end > first && time[end - 1] > to + slack) --end;
+  const std::string record = fmt::format("{} has {:.6g} s to {:.6g} s", file, time[0], time[n - 1]);
   if (first >= end) {
-    throw InputError({file},
-                     {fmt::format("no frame lies between {} s and {} s", from.value_or(-HUGE_VAL),
-                                  to.value_or(HUGE_VAL)),
-                      n == 0 ? "at least one frame"
-                             : fmt::format("a range within {} s to {} s", time[0], time[n - 1]),
-                      "", "Correct the time range."});
+    throw InputError(
+        at, {fmt::format("no frame lies in the time range, {}; {}", to_text(range), record), "", "",
+             "Choose another with --from and --to."});
+  }
+  if (from < time[0] - step - slack || to > time[n - 1] + step + slack) {
+    warnings.push_back({at, fmt::format("the time range, {}, goes beyond the record; {}, and only "
+                                        "that is solved",
+                                        to_text(range), record)});
   }
   return {static_cast<int>(first), static_cast<int>(end)};
 }
@@ -108,12 +154,23 @@ CoordinateTable coordinate_table(const MusculoskeletalModel& model, const Tracki
 }
 
 void require_file(const std::filesystem::path& file, const SourceLocation& named_at,
-                  const std::string& element) {
-  if (!file.empty() && std::filesystem::exists(file)) return;
+                  const std::string& element, const std::string& option) {
+  const std::string remedy = fmt::format("Correct the setup, or give {} FILE.", option);
+  if (file.empty()) {
+    throw InputError(named_at, {fmt::format("<{}> names no file", element), "", "", remedy});
+  }
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) return;
   throw InputError(named_at, {fmt::format("<{}> names a file that does not exist", element),
-                              "an existing file, relative to the setup's folder",
-                              file.empty() ? "nothing" : file.string(),
-                              "Correct the path, or give the file on the command line."});
+                              "a path, relative to the setup's folder", file.string(), remedy});
+}
+
+void require_own_path(const std::filesystem::path& output, const SourceLocation& named_at,
+                      const std::string& element) {
+  if (output.is_absolute()) return;
+  throw InputError(named_at, {fmt::format("<{}> is a path of another system", element),
+                              "a path, relative to the setup's folder", output.string(),
+                              "Correct the setup, or give --out FILE."});
 }
 
 }  // namespace sinew

@@ -12,15 +12,27 @@
 #include "ik/tracking.h"
 #include "model/kinematic_tree.h"
 #include "model/musculoskeletal_model.h"
+#include "pipeline/output_check.h"
 
 namespace sinew {
+
+/// The part of a record to solve [s]; its ends where empty.
+struct TimeRange {
+  std::optional<double> from, to;
+  SourceLocation at;  // of the setup that says so; no file where the command line does
+
+  /// Takes from a setup what the command line left open.
+  void fill(std::optional<double> setup_from, std::optional<double> setup_to,
+            const SourceLocation& setup_at);
+};
 
 /// What an inverse kinematics run starts from, gathered from the command line and a setup file.
 struct IkInputs {
   std::filesystem::path model_file, marker_file;
+  std::filesystem::path task_file;  // of `tasks`, where they come from a file of their own
   std::optional<IkTaskSet> tasks;
   std::filesystem::path coordinate_file;  // for tasks that take values from a file; may be empty
-  std::optional<double> from, to;         // [s]; the whole recording where empty
+  TimeRange range;
   std::string method = "gauss-newton";
   double tolerance = MinimizerOptions{}.gradient_tolerance;
   int threads = 0;
@@ -36,14 +48,22 @@ struct IkJob {
   std::vector<Warning> warnings;  // of reading and binding
 };
 
+/// The files among the inputs, for check_output and summary.json.
+InputFiles input_files(const IkInputs& inputs);
+
 /// Reads model, markers and tasks and binds them. Throws InputError for unusable input and for a
 /// time range without frames.
 IkJob prepare_ik(const IkInputs& inputs);
 
-/// Frames of `time` within [from, to], to a thousandth of a step; first and one past the last.
-/// Throws InputError, naming `file`, if there are none.
-std::pair<int, int> frames_within(const Eigen::VectorXd& time, std::optional<double> from,
-                                  std::optional<double> to, const std::string& file);
+/// Solves the job with a progress bar; nothing if Ctrl-C stopped it, which is said on standard
+/// error. Throws std::runtime_error if a result is not finite.
+std::optional<TrackingResult> solve_ik(IkJob& job);
+
+/// Frames of `time` within the range, to a thousandth of a step; first and one past the last.
+/// Warns where the range reaches more than a step beyond the record. Throws InputError, naming
+/// what says the range and `file`, if it ends before it begins or if it holds no frame.
+std::pair<int, int> frames_within(const Eigen::VectorXd& time, const TimeRange& range,
+                                  const std::string& file, std::vector<Warning>& warnings);
 
 /// The solution as ik.mot has it: a column a coordinate, angles in degrees.
 TimeTable coordinate_motion(const MusculoskeletalModel& model, const TrackingResult& result);
@@ -51,8 +71,14 @@ TimeTable coordinate_motion(const MusculoskeletalModel& model, const TrackingRes
 /// The solution as inverse dynamics takes it.
 CoordinateTable coordinate_table(const MusculoskeletalModel& model, const TrackingResult& result);
 
-/// Throws InputError at the setup's own line if a file that it names does not exist.
+/// Throws InputError at the setup's own line if it names no file or one that does not exist;
+/// `option` is what to give on the command line instead.
 void require_file(const std::filesystem::path& file, const SourceLocation& named_at,
-                  const std::string& element);
+                  const std::string& element, const std::string& option);
+
+/// Throws InputError at the setup's own line if an output path is one of another system, `C:\...`,
+/// which here would be the name of a file in the current folder.
+void require_own_path(const std::filesystem::path& output, const SourceLocation& named_at,
+                      const std::string& element);
 
 }  // namespace sinew

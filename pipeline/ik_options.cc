@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/option_checks.h"
+
 namespace sinew {
 
 void IkOptions::add_to(CLI::App& command) {
@@ -13,16 +15,18 @@ void IkOptions::add_to(CLI::App& command) {
       "marker weighs 1");
   command.add_option("--task-coordinates", coordinates,
                      "Motion file for tasks that take their values from a file");
-  command.add_option("--from", from, "First time to solve [s]");
-  command.add_option("--to", to, "Last time to solve [s]");
+  command.add_option("--from", from, "First time to solve [s]")->check(a_time());
+  command.add_option("--to", to, "Last time to solve [s]")->check(a_time());
   command.add_option("--method", method, "One of " + method_names())->capture_default_str();
   command
       .add_option("--gradient-tolerance", tolerance,
                   "A frame has converged when no entry of the gradient exceeds this times the sum "
                   "of weights")
+      ->check(more_than_zero())
       ->capture_default_str();
   command
       .add_option("--threads", threads, "Threads to use, 0 for all; results do not depend on it")
+      ->check(a_thread_count())
       ->capture_default_str();
 }
 
@@ -30,10 +34,12 @@ IkInputs IkOptions::inputs() const {
   IkInputs inputs;
   inputs.model_file = model;
   inputs.marker_file = markers;
+  method_from_string(method);  // an unknown name is told before any file is read
   if (!tasks.empty()) inputs.tasks = read_ik_task_set(tasks);
+  inputs.task_file = tasks;
   inputs.coordinate_file = coordinates;
-  inputs.from = from;
-  inputs.to = to;
+  inputs.range.from = from;
+  inputs.range.to = to;
   inputs.method = method;
   inputs.tolerance = tolerance;
   inputs.threads = threads;
@@ -46,23 +52,23 @@ void IkOptions::require_files(const IkInputs& inputs) const {
     throw std::invalid_argument("no markers: give --markers FILE.trc");
 }
 
-void merge(const IkSetup& setup, const IkOptions& options, IkInputs& inputs) {
+void merge(const IkSetup& setup, IkInputs& inputs) {
   if (inputs.model_file.empty()) {
-    require_file(setup.model_file, location_of(setup, "model_file"), "model_file");
+    require_file(setup.model_file, location_of(setup, "model_file"), "model_file", "--model");
     inputs.model_file = setup.model_file;
   }
   if (inputs.marker_file.empty()) {
-    require_file(setup.marker_file, location_of(setup, "marker_file"), "marker_file");
+    require_file(setup.marker_file, location_of(setup, "marker_file"), "marker_file", "--markers");
     inputs.marker_file = setup.marker_file;
   }
   if (inputs.coordinate_file.empty() && !setup.coordinate_file.empty()) {
-    require_file(setup.coordinate_file, location_of(setup, "coordinate_file"), "coordinate_file");
+    require_file(setup.coordinate_file, location_of(setup, "coordinate_file"), "coordinate_file",
+                 "--task-coordinates");
     inputs.coordinate_file = setup.coordinate_file;
   }
   // An empty task set means what no task set means: every marker weighs 1.
   if (!inputs.tasks && !setup.task_set.tasks.empty()) inputs.tasks = setup.task_set;
-  if (!options.from) inputs.from = setup.from;
-  if (!options.to) inputs.to = setup.to;
+  inputs.range.fill(setup.from, setup.to, location_of(setup, "time_range"));
 }
 
 }  // namespace sinew

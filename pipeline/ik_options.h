@@ -26,6 +26,6 @@ struct IkOptions {
 
 /// Fills what the command line left open from a setup. Throws InputError at the setup's line for a
 /// file that does not exist and was not given on the command line.
-void merge(const IkSetup& setup, const IkOptions& options, IkInputs& inputs);
+void merge(const IkSetup& setup, IkInputs& inputs);
 
 }  // namespace sinew

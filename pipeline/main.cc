@@ -2,11 +2,26 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <new>
+#include <string>
+#include <vector>
 
 #include "pipeline/command.h"
 #include "pipeline/version.h"
 
 namespace {
+
+// What is wrong, and the subcommand whose --help says what is right.
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+  std::string command = app->get_name();
+  for (const CLI::App* sub : app->get_subcommands()) command += " " + sub->get_name();
+  // CLI11 asks for a subcommand where the name of one is misspelt.
+  const std::vector<std::string> unknown = app->remaining();
+  const std::string problem = app->get_subcommands().empty() && !unknown.empty()
+                                  ? fmt::format("there is no subcommand '{}'", unknown.front())
+                                  : error.what();
+  return fmt::format("error: {}\nRun `{} --help` for usage.\n", problem, command);
+}
 
 constexpr const char* kFooter =
     "Examples:\n"
@@ -24,6 +39,7 @@ int main(int argc, char** argv) {
   app.footer(kFooter);
   app.set_version_flag("--version", sinew::version());
   app.require_subcommand(1);
+  app.failure_message(usage_error);
   int exit_code = sinew::kExitFailed;
   try {
     sinew::add_run_command(app, exit_code);
@@ -41,6 +57,9 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return sinew::kExitBadInput;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: not enough memory; solve a shorter time range (--from, --to)\n");
+    return sinew::kExitFailed;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return sinew::kExitFailed;

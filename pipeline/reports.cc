@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "data/input_file.h"
-#include "ik/summary.h"
 
 namespace sinew {
 namespace {
@@ -23,6 +23,28 @@ std::string cell(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
+}
+
+// "0.4 s, 0.41 s and 12 more": enough to find the place, short enough for one line.
+std::string some_of(const std::vector<std::string>& items) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(items.size(), kShown); ++i) {
+    text += (i == 0 ? "" : ", ") + items[i];
+  }
+  if (items.size() > kShown) text += fmt::format(" and {} more", items.size() - kShown);
+  return text;
+}
+
+Json not_converged(const TrackingResult& result) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < result.frames.size(); ++i) {
+    const Termination termination = result.frames[i].termination;
+    if (converged(termination)) continue;
+    json.push_back({{"time_s", result.time[static_cast<Eigen::Index>(i)]},
+                    {"termination", to_string(termination)}});
+  }
+  return json;
 }
 
 }  // namespace
@@ -96,6 +118,31 @@ int unconverged_frames(const TrackingResult& result) {
   return count;
 }
 
+std::vector<Warning> frame_warnings(const TrackingResult& result, const std::string& file) {
+  std::vector<std::string> unconverged, unmeasured;
+  for (std::size_t i = 0; i < result.frames.size(); ++i) {
+    const FrameResult& f = result.frames[i];
+    const double time = result.time[static_cast<Eigen::Index>(i)];
+    if (!converged(f.termination)) {
+      unconverged.push_back(fmt::format("{:.6g} s ({})", time, to_string(f.termination)));
+    }
+    if (f.measured_markers == 0) unmeasured.push_back(fmt::format("{:.6g} s", time));
+  }
+  std::vector<Warning> warnings;
+  if (!unconverged.empty()) {
+    warnings.push_back({{file, 0},
+                        fmt::format("{} of {} frames did not converge: {}", unconverged.size(),
+                                    result.frames.size(), some_of(unconverged))});
+  }
+  if (!unmeasured.empty()) {
+    warnings.push_back({{file, 0},
+                        fmt::format("no tracked marker is measured in {} of {} frames, "
+                                    "which repeat the pose before: {}",
+                                    unmeasured.size(), result.frames.size(), some_of(unmeasured))});
+  }
+  return warnings;
+}
+
 Json ik_summary(const TrackingProblem& tracking, const TrackingResult& result,
                 const TrackingOptions& options) {
   const std::vector<MarkerError> errors = marker_errors(tracking, result);
@@ -107,7 +154,10 @@ Json ik_summary(const TrackingProblem& tracking, const TrackingResult& result,
   long iterations = 0;
   for (std::size_t i = 0; i < result.frames.size(); ++i) {
     iterations += result.frames[i].iterations;
-    if (result.frames[i].marker_rms > result.frames[worst_frame].marker_rms) worst_frame = i;
+    if (!(result.frames[i].marker_rms <= result.frames[worst_frame].marker_rms) &&
+        result.frames[i].measured_markers > 0) {
+      worst_frame = i;
+    }
   }
   const auto frames = static_cast<double>(result.frames.size());
   Json json;
@@ -119,6 +169,7 @@ Json ik_summary(const TrackingProblem& tracking, const TrackingResult& result,
   json["ms_per_frame"] = 1e3 * result.seconds / frames;
   json["iterations_per_frame"] = static_cast<double>(iterations) / frames;
   json["frames_not_converged"] = unconverged_frames(result);
+  json["not_converged"] = not_converged(result);
   json["marker_rms_m"] = number(total_marker_rms(result));
   if (worst_marker != nullptr) {
     json["worst_marker"] = {{"name", worst_marker->name},
@@ -152,7 +203,7 @@ Json id_summary(const MusculoskeletalModel& model, const TimeTable& forces) {
   return json;
 }
 
-Json input_summary(const std::vector<std::pair<std::string, std::filesystem::path>>& files) {
+Json input_summary(const InputFiles& files) {
   Json json;
   for (const auto& [role, path] : files) {
     if (path.empty()) continue;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "data/time_table.h"
 #include "ik/tracking.h"
 #include "model/musculoskeletal_model.h"
+#include "pipeline/output_check.h"
 
 namespace sinew {
 
@@ -39,8 +39,7 @@ nlohmann::ordered_json ik_summary(const TrackingProblem& tracking, const Trackin
 nlohmann::ordered_json id_summary(const MusculoskeletalModel& model, const TimeTable& forces);
 
 /// Paths and SHA-256 of input files; empty paths are left out.
-nlohmann::ordered_json input_summary(
-    const std::vector<std::pair<std::string, std::filesystem::path>>& files);
+nlohmann::ordered_json input_summary(const InputFiles& files);
 
 nlohmann::ordered_json warning_summary(const std::vector<Warning>& warnings);
 
@@ -49,5 +48,9 @@ double total_marker_rms(const TrackingResult& result);
 
 /// Frames that did not converge.
 int unconverged_frames(const TrackingResult& result);
+
+/// Names the frames that did not converge, and those in which no marker is measured. `file`: of the
+/// recording.
+std::vector<Warning> frame_warnings(const TrackingResult& result, const std::string& file);
 
 }  // namespace sinew

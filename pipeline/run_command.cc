@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 
@@ -7,29 +8,40 @@
 #include "pipeline/command.h"
 #include "pipeline/example.h"
 #include "pipeline/id_job.h"
+#include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
+#include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/version.h"
 
 namespace sinew {
 namespace {
 
+constexpr const char* kResults[] = {"ik.mot", "id.sto", "marker_errors.csv", "frame_errors.csv",
+                                    "summary.json"};
+
 struct RunCommand {
   IkOptions ik;
-  std::string loads, load_data, out = "sinew-results";
-  double cutoff = kDefaultCutoff;
-  bool project_couplers = false;
+  IdOptions dynamics;
+  std::string out = "sinew-results";
 
   // Without any file the embedded walk is written to the output folder and run from there.
   void use_example() {
+    if (!ik.tasks.empty() || !ik.coordinates.empty() || !dynamics.loads.empty() ||
+        !dynamics.load_data.empty()) {
+      throw std::invalid_argument(
+          "no model and no markers for the other files: give --model FILE.osim and --markers "
+          "FILE.trc, or no file at all for the embedded walk");
+    }
     const std::filesystem::path folder = std::filesystem::path(out) / "example";
+    check_output(folder / "model.osim", {});
     write_example(folder);
     fmt::print("no model given: running the embedded walk, written to {}\n", folder.string());
     ik.model = (folder / "model.osim").string();
     ik.markers = (folder / "walk.trc").string();
     ik.tasks = (folder / "ik_tasks.xml").string();
-    loads = (folder / "grf.xml").string();
+    dynamics.loads = (folder / "grf.xml").string();
   }
 
   int run() {
@@ -37,50 +49,62 @@ struct RunCommand {
     if (ik.model.empty() && ik.markers.empty()) use_example();
     const IkInputs inputs = ik.inputs();
     ik.require_files(inputs);
+    InputFiles files = input_files(inputs);
+    files.emplace_back("loads", dynamics.loads);
+    files.emplace_back("load_data", dynamics.load_data);
+    check_outputs(files);
+
+    std::vector<Warning> warnings;
     IkJob job = prepare_ik(inputs);
-    std::vector<Warning> warnings = job.warnings;
-    std::filesystem::path data = load_data;
-    const ExternalLoads external = read_loads(job.model, loads, data, warnings);
-
-    watch_interrupts();
-    job.options.progress = progress_bar("inverse kinematics");
-    const TrackingResult solved =
-        track(job.model, job.tree, job.tracking, job.recording.markers, job.options);
-    if (solved.stopped) {
-      fmt::print(stderr, "stopped; no results were written\n");
-      return kExitFailed;
-    }
-    InverseDynamicsOptions options;
-    options.cutoff = cutoff;
-    options.project_couplers = project_couplers;
-    options.threads = ik.threads;
-    const auto id_start = std::chrono::steady_clock::now();
-    const SimbodyModel compiled(job.model);
-    const InverseDynamicsResult torques = inverse_dynamics(
-        job.model, compiled, coordinate_table(job.model, solved), external, options);
-    warnings.insert(warnings.end(), torques.warnings.begin(), torques.warnings.end());
-    print_warnings(warnings);
-
+    report(warnings, job.warnings);
+    IdJob id_job = prepare_id(job.model, dynamics, std::nullopt, ik.threads, warnings);
+    files.back().second = id_job.load_data_file;
+    check_outputs(files);
+    check_motion_times(frame_times(job), id_job, job.recording.path);
     nlohmann::ordered_json summary;
     summary["versions"] = component_versions();
-    summary["inputs"] = input_summary({{"model", inputs.model_file},
-                                       {"markers", inputs.marker_file},
-                                       {"tasks", ik.tasks},
-                                       {"task_coordinates", inputs.coordinate_file},
-                                       {"loads", loads},
-                                       {"load_data", data}});
-    summary["options"] = {
-        {"method", inputs.method},  {"gradient_tolerance", inputs.tolerance},
-        {"cutoff_hz", cutoff},      {"project_couplers", project_couplers},
-        {"from_s", solved.time[0]}, {"to_s", solved.time[solved.time.size() - 1]}};
-    summary["inverse_kinematics"] = ik_summary(job.tracking, solved, job.options);
-    summary["inverse_dynamics"] = id_summary(job.model, torques.forces);
+    summary["inputs"] = input_summary(files);
+
+    const std::optional<TrackingResult> solved = solve_ik(job);
+    if (!solved) return kExitFailed;
+    report(warnings, frame_warnings(*solved, job.recording.path));
+    const auto id_start = std::chrono::steady_clock::now();
+    const std::optional<InverseDynamicsResult> torques =
+        solve_id(job.model, coordinate_table(job.model, *solved), id_job);
+    if (!torques) return kExitFailed;
+    report(warnings, torques->warnings);
+
+    summary["options"] = option_summary(job, id_job, *solved);
+    summary["inverse_kinematics"] = ik_summary(job.tracking, *solved, job.options);
+    summary["inverse_dynamics"] = id_summary(job.model, torques->forces);
     summary["inverse_dynamics"]["seconds"] = seconds_since(id_start);
     summary["warnings"] = warning_summary(warnings);
     summary["seconds"] = seconds_since(start);
-    write_results(job, solved, torques.forces, summary);
-    print_digest(solved, summary);
-    return unconverged_frames(solved) == 0 ? kExitOk : kExitFailed;
+    write_results(job, *solved, torques->forces, summary);
+    print_digest(*solved, summary, id_job.options.cutoff);
+    return unconverged_frames(*solved) == 0 ? kExitOk : kExitFailed;
+  }
+
+  void check_outputs(const InputFiles& inputs) const {
+    if (out.empty()) throw std::invalid_argument("--out is empty: give --out FOLDER");
+    for (const char* name : kResults) check_output(std::filesystem::path(out) / name, inputs);
+  }
+
+  static Eigen::VectorXd frame_times(const IkJob& job) {
+    return job.recording.markers.time.segment(job.options.first_frame,
+                                              job.options.end_frame - job.options.first_frame);
+  }
+
+  static nlohmann::ordered_json option_summary(const IkJob& job, const IdJob& id_job,
+                                               const TrackingResult& solved) {
+    return {{"method", to_string(job.options.minimizer.method)},
+            {"gradient_tolerance", job.options.minimizer.gradient_tolerance},
+            {"cutoff_hz", id_job.options.cutoff},
+            {"project_couplers", id_job.options.project_couplers},
+            {"exact_custom_joints", id_job.options.exact_custom_joints},
+            {"threads", job.options.threads},
+            {"from_s", solved.time[0]},
+            {"to_s", solved.time[solved.time.size() - 1]}};
   }
 
   static double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -98,7 +122,8 @@ struct RunCommand {
     write_file_atomically(folder / "summary.json", summary.dump(2) + "\n");
   }
 
-  void print_digest(const TrackingResult& solved, const nlohmann::ordered_json& summary) const {
+  void print_digest(const TrackingResult& solved, const nlohmann::ordered_json& summary,
+                    double cutoff) const {
     const auto& kinematics = summary["inverse_kinematics"];
     fmt::print("inverse kinematics: {} frames, {:.3g} ms a frame, marker RMS {:.2f} mm",
                solved.frames.size(), kinematics["ms_per_frame"].get<double>(),
@@ -108,17 +133,12 @@ struct RunCommand {
                  kinematics["worst_marker"]["name"].get<std::string>(),
                  1e3 * kinematics["worst_marker"]["rms_m"].get<double>());
     }
-    fmt::print("\ninverse dynamics: coordinates {}; residuals at the root:\n",
-               cutoff > 0.0 ? fmt::format("low-passed at {} Hz", cutoff) : "not filtered");
+    fmt::print("\ninverse dynamics: coordinates {}; residuals at the root:\n", filter_text(cutoff));
     for (const auto& r : summary["inverse_dynamics"]["root_residuals"]) {
       fmt::print("  {:<28} RMS {:8.2f} max {:8.2f} {}\n", r["column"].get<std::string>(),
                  r["rms"].get<double>(), r["max"].get<double>(), r["unit"].get<std::string>());
     }
-    if (const int bad = unconverged_frames(solved); bad > 0) {
-      fmt::print(stderr, "warning: {} frames did not converge\n", bad);
-    }
-    fmt::print("results: {}/ik.mot, id.sto, marker_errors.csv, frame_errors.csv, summary.json\n",
-               out);
+    fmt::print("results: {}/{}\n", out, fmt::join(kResults, ", "));
   }
 };
 
@@ -131,16 +151,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "Markers and ground forces to joint angles and joint torques; without files, the "
       "embedded walk");
   command->ik.add_to(*sub);
-  sub->add_option("--loads", command->loads, "OpenSim ExternalLoads (.xml)");
-  sub->add_option("--load-data", command->load_data,
-                  "Force data (.mot or .sto) instead of the one that --loads names");
-  sub->add_option(
-         "--cutoff", command->cutoff,
-         "Zero-lag low-pass of the coordinates before they are differentiated [Hz]; negative "
-         "for none")
-      ->capture_default_str();
-  sub->add_flag("--project-couplers", command->project_couplers,
-                "Fold the forces of coupled coordinates onto the coordinates that drive them");
+  command->dynamics.add_to(*sub);
   sub->add_option("--out", command->out, "Folder for the results")->capture_default_str();
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }

@@ -10,6 +10,8 @@
 #include "pipeline/command.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
+#include "pipeline/option_checks.h"
+#include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/version.h"
 
@@ -26,8 +28,10 @@ struct ValidateCommand {
   int run() const {
     const IkInputs inputs = ik.inputs();
     ik.require_files(inputs);
+    if (!json.empty()) check_output(json, input_files(inputs));
     const IkJob job = prepare_ik(inputs);
-    print_warnings(job.warnings);
+    std::vector<Warning> warnings;
+    report(warnings, job.warnings);
     ComparisonOptions options;
     options.minimizer = job.options.minimizer;
     options.accuracy = accuracy;
@@ -35,7 +39,6 @@ struct ValidateCommand {
     options.end_frame = job.options.end_frame;
     options.every = every;
     options.tolerance = tolerance;
-    watch_interrupts();
     options.progress = progress_bar("validation");
     const Comparison comparison =
         compare_with_assembler(job.model, job.tree, job.tracking, job.recording.markers, options);
@@ -48,7 +51,7 @@ struct ValidateCommand {
     const bool passed = comparison.worse_frames == 0;
     print_verdict(comparison, passed);
     if (!json.empty()) {
-      write_file_atomically(json, report(job, inputs, comparison, passed).dump(2) + "\n");
+      write_file_atomically(json, json_report(job, inputs, comparison, passed).dump(2) + "\n");
     }
     return passed ? kExitOk : kExitFailed;
   }
@@ -73,55 +76,82 @@ struct ValidateCommand {
     fmt::print("\n{:<24} {:>12} {:>12}\n", "difference", "RMS", "max");
     for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
       const auto i = static_cast<Eigen::Index>(c);
-      const bool turns = model.coordinates[c].motion == Coordinate::Motion::kRotational;
-      const double scale = turns ? 180.0 / std::numbers::pi : 1e3;
+      const auto [scale, unit] = unit_of(model.coordinates[c].motion);
       const bool undetermined = std::count(comparison.undetermined.begin(),
                                            comparison.undetermined.end(), static_cast<int>(c)) > 0;
       fmt::print("{:<24} {:12.5f} {:12.5f} {}{}\n", model.coordinates[c].name,
-                 scale * comparison.angle_rms[i], scale * comparison.angle_max[i],
-                 turns ? "deg" : "mm", undetermined ? "  (no marker determines it)" : "");
+                 scale * comparison.angle_rms[i], scale * comparison.angle_max[i], unit,
+                 undetermined ? "  (no marker determines it)" : "");
     }
+  }
+
+  // A coupled coordinate turns and shifts at once, so its number has no unit of its own.
+  static std::pair<double, const char*> unit_of(Coordinate::Motion motion) {
+    if (motion == Coordinate::Motion::kRotational) return {180.0 / std::numbers::pi, "deg"};
+    if (motion == Coordinate::Motion::kTranslational) return {1e3, "mm"};
+    return {1.0, "(turns and shifts)"};
   }
 
   void print_verdict(const Comparison& comparison, bool passed) const {
     const std::size_t n = comparison.frames.size();
     fmt::print(
         "\nSinew {:.4f} ms a frame; Assembler {:.3f} ms at accuracy {:g}, {:.3f} ms at its "
-        "default: ratios {:.0f} and {:.0f}\n",
+        "default: ratios {:.0f} and {:.0f}; median ratio of a frame {:.0f}\n",
         1e3 * comparison.seconds / static_cast<double>(n),
         1e3 * comparison.assembler_seconds / static_cast<double>(n), accuracy,
         1e3 * comparison.assembler_default_seconds / static_cast<double>(n),
         comparison.assembler_seconds / comparison.seconds,
-        comparison.assembler_default_seconds / comparison.seconds);
+        comparison.assembler_default_seconds / comparison.seconds, median_ratio(comparison));
     if (comparison.assembler_failures > 0) {
       fmt::print("The Assembler failed in {} of {} frames\n", comparison.assembler_failures, n);
     }
+    if (const auto bad = unconverged(comparison); bad > 0) {
+      fmt::print("Sinew did not converge in {} of {} frames, which counts as worse\n", bad, n);
+    }
     fmt::print(
-        "{}: Sinew's cost exceeds the Assembler's in {} of {} frames (largest excess {:.2e} of "
-        "it, tolerance {:g})\n",
+        "{}: Sinew is worse than the Assembler in {} of {} frames (largest excess of its cost "
+        "{:.2e} of the Assembler's, tolerance {:g})\n",
         passed ? "PASS" : "FAIL", comparison.worse_frames, n, comparison.worst_cost_excess,
         tolerance);
   }
 
-  nlohmann::ordered_json report(const IkJob& job, const IkInputs& inputs,
-                                const Comparison& comparison, bool passed) const {
+  static std::ptrdiff_t unconverged(const Comparison& comparison) {
+    return std::count_if(comparison.frames.begin(), comparison.frames.end(),
+                         [](const ComparedFrame& f) { return !converged(f.termination); });
+  }
+
+  // Unlike the ratio of the sums, not moved by a frame in which the machine did something else.
+  static double median_ratio(const Comparison& comparison) {
+    std::vector<double> ratios;
+    for (const ComparedFrame& f : comparison.frames) {
+      ratios.push_back(f.assembler_seconds / f.seconds);
+    }
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    return *middle;
+  }
+
+  nlohmann::ordered_json json_report(const IkJob& job, const IkInputs& inputs,
+                                     const Comparison& comparison, bool passed) const {
     using Json = nlohmann::ordered_json;
     Json out;
     out["versions"] = component_versions();
-    out["inputs"] = input_summary(
-        {{"model", inputs.model_file}, {"markers", inputs.marker_file}, {"tasks", ik.tasks}});
+    out["inputs"] = input_summary(input_files(inputs));
     out["options"] = {{"method", inputs.method},
+                      {"gradient_tolerance", inputs.tolerance},
                       {"every", every},
                       {"accuracy", accuracy},
                       {"tolerance", tolerance}};
     out["passed"] = passed;
     out["worse_frames"] = comparison.worse_frames;
+    out["frames_not_converged"] = unconverged(comparison);
     out["assembler_failures"] = comparison.assembler_failures;
     out["worst_cost_excess"] = comparison.worst_cost_excess;
     out["seconds"] = comparison.seconds;
     out["assembler_seconds"] = comparison.assembler_seconds;
     out["assembler_default_accuracy_seconds"] = comparison.assembler_default_seconds;
     out["time_ratio"] = comparison.assembler_seconds / comparison.seconds;
+    out["median_time_ratio"] = median_ratio(comparison);
     Json angles = Json::array();
     for (std::size_t c = 0; c < job.model.coordinates.size(); ++c) {
       const auto i = static_cast<Eigen::Index>(c);
@@ -160,11 +190,17 @@ void add_validate_command(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand(
       "validate", "Solves the same frames with Simbody's Assembler and compares");
   command->ik.add_to(*sub);
-  sub->add_option("--every", command->every, "Compare every Nth frame")->capture_default_str();
-  sub->add_option("--accuracy", command->accuracy, "The Assembler's accuracy")
+  sub->remove_option(sub->get_option("--threads"));  // times are of one thread
+  sub->add_option("--every", command->every, "Compare every Nth frame")
+      ->check(a_stride())
+      ->capture_default_str();
+  sub->add_option("--accuracy", command->accuracy,
+                  "The Assembler's accuracy, as its setAccuracy takes it")
+      ->check(more_than_zero())
       ->capture_default_str();
   sub->add_option("--tolerance", command->tolerance,
                   "Fail if Sinew's cost exceeds the Assembler's by more than this fraction of it")
+      ->check(zero_or_more())
       ->capture_default_str();
   sub->add_option("--json", command->json, "Write the whole comparison to this file");
   sub->callback([command, &exit_code] { exit_code = command->run(); });

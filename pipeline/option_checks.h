@@ -1,0 +1,17 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace sinew {
+
+// Checks of an option's value while the command line is read, so that nothing is computed first.
+// Messages read `--name: <value> is not <what was expected>`.
+
+CLI::Validator a_time();          // finite [s]
+CLI::Validator more_than_zero();  // finite
+CLI::Validator zero_or_more();    // finite
+CLI::Validator a_thread_count();  // 0 to 1024
+CLI::Validator a_stride();        // an integer, 1 or more
+CLI::Validator a_cutoff();        // positive [Hz], or negative for none
+
+}  // namespace sinew

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "data/time_table.h"
+
+namespace sinew {
+
+/// Input files with what each is, such as `model` or `load_data`; paths may be empty.
+using InputFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
+
+/// Asks before any work is done whether `output` can be written: throws InputError naming it if it
+/// is a folder or one of the inputs, or if its folder is a file or cannot be written. What the
+/// system refuses only later is told when the file is written.
+void check_output(const std::filesystem::path& output, const InputFiles& inputs);
+
+/// Throws std::runtime_error naming the first column and time where `table` is not finite, so that
+/// no NaN is ever written as a result. `what`: `ik.mot`, …
+void require_finite_results(const TimeTable& table, const std::string& what);
+
+}  // namespace sinew

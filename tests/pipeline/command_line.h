@@ -1,0 +1,153 @@
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "data/storage_file.h"
+#include "tests/data/test_files.h"
+
+// Published recordings, which the tests that use them are skipped without.
+#define SINEW_REQUIRE_SHARED_DATA(folder)                                  \
+  const std::filesystem::path shared = shared_data();                      \
+  if (shared.empty() || !std::filesystem::is_directory(shared / (folder))) \
+  GTEST_SKIP() << "needs the published recordings in ../shared/data/" << (folder)
+
+namespace sinew {
+
+/// What a run of the command left.
+struct Outcome {
+  int exit_code = -1;  // −1: ended by a signal
+  std::string out, err;
+  double seconds = 0.0;  // from the signal on, if one was sent
+};
+
+/// How a run is disturbed.
+struct Interruption {
+  double after_seconds = 0.0;  // SIGINT then, or
+  std::string after_text;      // as soon as standard error holds this
+};
+
+/// Runs `sinew` with these arguments in `folder`. A run is killed after two minutes.
+inline Outcome run_sinew(const std::filesystem::path& folder, std::vector<std::string> arguments,
+                         const std::optional<Interruption>& interruption = std::nullopt) {
+  using Clock = std::chrono::steady_clock;
+  const TemporaryFolder streams;
+  const std::string out = (streams.path() / "out").string(),
+                    err = (streams.path() / "err").string();
+  arguments.insert(arguments.begin(), SINEW_BINARY);
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  const auto seconds_since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
+  auto start = Clock::now();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int null = ::open("/dev/null", O_RDONLY);
+    ::dup2(null, 0);
+    ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), 1);
+    ::dup2(::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), 2);
+    if (::chdir(folder.c_str()) == 0) ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  bool sent = false;
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    if (interruption && !sent) {
+      const bool now = interruption->after_text.empty()
+                           ? seconds_since(start) > interruption->after_seconds
+                           : content_of(err).find(interruption->after_text) != std::string::npos;
+      if (now) {
+        ::kill(child, SIGINT);
+        sent = true;
+        start = Clock::now();
+      }
+    }
+    if (seconds_since(start) > 120.0) ::kill(child, SIGKILL);
+  }
+  Outcome outcome;
+  outcome.seconds = seconds_since(start);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  outcome.out = content_of(out);
+  outcome.err = content_of(err);
+  return outcome;
+}
+
+/// Lines that begin with `error: `, without it and without the folder's path.
+inline std::string error_line(const Outcome& outcome, const std::filesystem::path& folder) {
+  std::istringstream lines(outcome.err);
+  std::string found;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("error: ")) found += line.substr(7);
+  }
+  const std::string prefix = folder.string() + "/";
+  for (std::size_t at = found.find(prefix); at != found.npos; at = found.find(prefix)) {
+    found.erase(at, prefix.size());
+  }
+  return found;
+}
+
+/// Names of all files and folders below a folder, sorted.
+inline std::vector<std::string> tree_of(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    names.push_back(std::filesystem::relative(entry.path(), folder).string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// A row of cells, quoted or not (RFC 4180).
+inline std::vector<std::string> csv_cells(const std::string& line) {
+  std::vector<std::string> cells = {""};
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+inline std::vector<std::vector<std::string>> csv_rows(const std::filesystem::path& path) {
+  std::istringstream lines(content_of(path));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(lines, line);) rows.push_back(csv_cells(line));
+  return rows;
+}
+
+/// ../shared/data, or empty where it is missing.
+inline std::filesystem::path shared_data() {
+  const std::filesystem::path folder = std::filesystem::absolute("../shared/data");
+  std::error_code error;
+  return std::filesystem::is_directory(folder, error) ? std::filesystem::canonical(folder)
+                                                      : std::filesystem::path();
+}
+
+/// The largest difference between two tables' columns of the same name, by name; both have the
+/// same number of rows.
+inline double largest_difference(const TimeTable& a, const TimeTable& b, const std::string& label) {
+  const int i = a.find_column(label), j = b.find_column(label);
+  if (i < 0 || j < 0 || a.values.rows() != b.values.rows()) return 1e300;
+  return (a.values.col(i) - b.values.col(j)).cwiseAbs().maxCoeff();
+}
+
+}  // namespace sinew
