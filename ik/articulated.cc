@@ -46,6 +46,9 @@ bool is_isotropic(const Matrix3d& W) {
 // μ beyond this multiple of the stiffness leaves no step worth taking.
 constexpr double kLargestMu = 1e8;
 
+// μ below this multiple cannot make a joint definite that no residual sees.
+constexpr double kLeastMu = 1e-12;
+
 }  // namespace
 
 bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem) {
@@ -67,7 +70,7 @@ Articulated::Articulated(const KinematicTree& tree, Model model, const Options& 
       active_(static_cast<std::size_t>(tree.v_count()), 0) {}
 
 void Articulated::start() {
-  mu_ = 0.0;
+  mu_ = kNaN;
   growth_ = 2.0;
   rejected_ = 0;
   newton_ = model_ == Model::kNewton;
@@ -278,7 +281,8 @@ bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
     active_[v] = x >= 0 && !at.held[static_cast<std::size_t>(x)];
   }
   collect_stiffness(at, newton_);
-  mu_ = std::max(mu_, options_.damping * scale_);
+  if (std::isnan(mu_)) mu_ = options_.damping * scale_;
+  mu_ = std::max(mu_, kLeastMu * scale_);
   while (!sweep_inward(at, newton_)) {
     mu_ = std::max(10.0 * mu_, needed_mu_);
     ;

@@ -38,9 +38,10 @@ class Articulated : public Direction {
   enum class Model { kGaussNewton, kNewton, kAutomatic };
 
   struct Options {
-    // μ at the start, times the largest D; also its floor. Large enough that joints which no
-    // residual sees have a definite D.
-    double damping = 1e-12;
+    // μ at the start, times the largest stiffness of a link. On the manipulator's case B with 400
+    // links, 1e-6 takes 14 iterations; starting from 1e-12, the first step turns joints by 30,000
+    // rad and 140 follow.
+    double damping = 1e-6;
   };
 
   Articulated(const KinematicTree& tree, Model model, const Options& options);
@@ -77,7 +78,7 @@ class Articulated : public Direction {
   std::vector<double> offset_;           // v: D⁻¹Sᵀp^A
   std::vector<double> torque_, spring_;  // v: of coordinate targets
   std::vector<char> active_;             // v: an unknown that no bound holds
-  double mu_ = 0.0, growth_ = 2.0, scale_ = 1.0;
+  double mu_ = kNaN, growth_ = 2.0, scale_ = 1.0;
   double expected_ = kNaN;
   double needed_mu_ = 0.0;  // what the D that was not definite asks for
   int rejected_ = 0;        // directions in a row

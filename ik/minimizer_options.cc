@@ -21,9 +21,26 @@ constexpr MethodName kMethods[] = {
     {Method::kLbfgs, "lbfgs"},
     {Method::kLevenbergMarquardt, "levenberg-marquardt"},
     {Method::kGaussNewton, "gauss-newton"},
+    {Method::kArticulatedGaussNewton, "articulated-gauss-newton"},
+    {Method::kArticulatedNewton, "articulated-newton"},
+    {Method::kArticulated, "articulated"},
 };
 
+std::unique_ptr<Direction> make_articulated(const KinematicTree& tree, const IkProblem& problem,
+                                            Articulated::Model model,
+                                            const MinimizerOptions& options) {
+  if (!articulated_sweep_fits(tree, problem)) {
+    return std::make_unique<GaussNewton>(tree, options.gauss_newton);
+  }
+  return std::make_unique<Articulated>(tree, model, options.articulated);
+}
+
 }  // namespace
+
+bool continues_gradient_sweep(Method method) {
+  return method == Method::kArticulatedGaussNewton || method == Method::kArticulatedNewton ||
+         method == Method::kArticulated;
+}
 
 const char* to_string(Method method) {
   for (const MethodName& m : kMethods) {
@@ -72,6 +89,9 @@ void MinimizerOptions::validate() const {
   if (!(gauss_newton.damping > 0.0)) {
     reject("gauss_newton.damping", gauss_newton.damping, "more than 0");
   }
+  if (!(articulated.damping > 0.0)) {
+    reject("articulated.damping", articulated.damping, "more than 0");
+  }
 }
 
 MinimizerOptions paper_options(Method method) {
@@ -102,6 +122,12 @@ std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkPro
       return std::make_unique<LevenbergMarquardt>(tree, problem, options.levenberg_marquardt);
     case Method::kGaussNewton:
       return std::make_unique<GaussNewton>(tree, options.gauss_newton);
+    case Method::kArticulatedGaussNewton:
+      return make_articulated(tree, problem, Articulated::Model::kGaussNewton, options);
+    case Method::kArticulatedNewton:
+      return make_articulated(tree, problem, Articulated::Model::kNewton, options);
+    case Method::kArticulated:
+      return make_articulated(tree, problem, Articulated::Model::kAutomatic, options);
   }
   throw std::invalid_argument("MinimizerOptions.method is no method");
 }

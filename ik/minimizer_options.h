@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ik/articulated.h"
 #include "ik/conjugate_gradient.h"
 #include "ik/direction.h"
 #include "ik/gauss_newton.h"
@@ -20,7 +21,16 @@ enum class Method {
   kLbfgs,
   kLevenbergMarquardt,
   kGaussNewton,
+  // O(links), continuing the sweep of the decomposed gradient, which they always take. Couplings
+  // and residuals that join two links do not fit their sweep: on such problems kGaussNewton stands
+  // in for all three.
+  kArticulatedGaussNewton,
+  kArticulatedNewton,
+  kArticulated,  // turns from one to the other by itself
 };
+/// True for the articulated methods.
+bool continues_gradient_sweep(Method method);
+
 enum class GradientKind { kDecomposed, kJacobian };
 
 /// What (e3) measures, over the unknowns that no bound holds.
@@ -69,6 +79,7 @@ struct MinimizerOptions {
   Lbfgs::Options lbfgs;
   LevenbergMarquardt::Options levenberg_marquardt;
   GaussNewton::Options gauss_newton;
+  Articulated::Options articulated;
 
   /// Throws std::invalid_argument naming field, value and bound.
   void validate() const;

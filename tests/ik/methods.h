@@ -1,7 +1,5 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <string>
 
@@ -23,10 +21,10 @@ inline constexpr Method kEveryMethod[] = {
 };
 
 /// For names of tests: `gauss_newton`.
-inline std::string test_name_of(const testing::TestParamInfo<Method>& info) {
+inline constexpr auto test_name_of = [](const auto& info) {
   std::string name = to_string(info.param);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
-}
+};
 
 }  // namespace sinew
