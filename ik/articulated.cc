@@ -43,6 +43,13 @@ bool is_isotropic(const Matrix3d& W) {
   return (W - W(0, 0) * Matrix3d::Identity()).cwiseAbs().maxCoeff() == 0.0;
 }
 
+// Sizes known at run time only, on the stack: one instance serves what is rare.
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+
+double lowest_eigenvalue(const SmallMatrix& D) {
+  return Eigen::SelfAdjointEigenSolver<SmallMatrix>(D, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
 // μ beyond this multiple of the stiffness leaves no step worth taking.
 constexpr double kLargestMu = 1e8;
 
@@ -120,18 +127,20 @@ void Articulated::collect_stiffness(const Iterate& at, bool newton) {
 }
 
 // C_k of (N2): steps i before j of one joint do not commute, and functions are curved.
-template <int kColumns>
-void Articulated::add_joint_curvature(const Iterate& at, int link_index, const int* columns,
-                                      Eigen::Matrix<double, kColumns, kColumns>& D) const {
+template <typename Matrix>
+void Articulated::add_joint_curvature(const Iterate& at, int link_index,
+                                      std::span<const int> columns, Matrix& D) const {
   const KinematicTree::Link& link = at.tree.links[static_cast<std::size_t>(link_index)];
   const KinematicWorkspace& ws = at.workspace;
   const Vector6d& f = ws.f[static_cast<std::size_t>(link_index)];
   if (link.kind == KinematicTree::Kind::kFree) {
     // The shift comes before the turn, whose exponential needs nothing within itself.
-    for (int i = 3; i < kColumns; ++i) {
-      const Vector6d moved = commutator(f, ws.S[static_cast<std::size_t>(columns[i])]);
+    for (int i = 3; i < static_cast<int>(columns.size()); ++i) {
+      const Vector6d moved =
+          commutator(f, ws.S[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])]);
       for (int j = 0; j < 3; ++j) {
-        const double h = 0.5 * ws.S[static_cast<std::size_t>(columns[j])].dot(moved);
+        const double h =
+            0.5 * ws.S[static_cast<std::size_t>(columns[static_cast<std::size_t>(j)])].dot(moved);
         D(i, j) += h;
         D(j, i) += h;
       }
@@ -140,8 +149,8 @@ void Articulated::add_joint_curvature(const Iterate& at, int link_index, const i
   }
   if (link.kind != KinematicTree::Kind::kSteps) return;
   const auto column_of = [&](int v) {
-    for (int i = 0; i < kColumns; ++i) {
-      if (columns[i] == v) return i;
+    for (int i = 0; i < static_cast<int>(columns.size()); ++i) {
+      if (columns[static_cast<std::size_t>(i)] == v) return i;
     }
     return -1;
   };
@@ -173,39 +182,43 @@ void Articulated::add_joint_curvature(const Iterate& at, int link_index, const i
 
 // (N6) for the active columns of one joint. False if D is not positive definite.
 template <int kColumns>
-bool Articulated::eliminate(const Iterate& at, int link_index, const int* columns, bool newton) {
+bool Articulated::eliminate(const Iterate& at, int link_index, std::span<const int> columns,
+                            bool newton) {
+  constexpr int kMost = kColumns == Eigen::Dynamic ? 6 : kColumns;
+  const auto n = static_cast<Eigen::Index>(columns.size());
   const auto b = static_cast<std::size_t>(link_index);
   const KinematicWorkspace& ws = at.workspace;
-  Eigen::Matrix<double, 6, kColumns> S;
-  for (int i = 0; i < kColumns; ++i) S.col(i) = ws.S[static_cast<std::size_t>(columns[i])];
-  Eigen::Matrix<double, 6, kColumns> U = K_[b] * S;
-  Eigen::Matrix<double, kColumns, kColumns> D = S.transpose() * U;
-  Eigen::Matrix<double, kColumns, 1> z = S.transpose() * p_[b];
-  for (int i = 0; i < kColumns; ++i) {
-    const auto v = static_cast<std::size_t>(columns[i]);
+  using Columns = Eigen::Matrix<double, 6, kColumns, Eigen::ColMajor, 6, kMost>;
+  using Square = Eigen::Matrix<double, kColumns, kColumns, Eigen::ColMajor, kMost, kMost>;
+  using Vector = Eigen::Matrix<double, kColumns, 1, Eigen::ColMajor, kMost, 1>;
+  Columns S(6, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    S.col(i) = ws.S[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])];
+  Columns U = K_[b] * S;
+  Square D = S.transpose() * U;
+  Vector z = S.transpose() * p_[b];
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(i)]);
     z[i] += torque_[v];
     D(i, i) += spring_[v];
   }
   if (newton) {
-    add_joint_curvature<kColumns>(at, link_index, columns, D);
-    for (int i = 0; i < kColumns; ++i) U.col(i) -= 0.5 * commutator(ws.f[b], S.col(i));  // Bᵀ
+    add_joint_curvature(at, link_index, columns, D);
+    for (Eigen::Index i = 0; i < n; ++i) U.col(i) -= 0.5 * commutator(ws.f[b], S.col(i));  // Bᵀ
   }
   D.diagonal().array() += mu_;
-  const Eigen::LLT<Eigen::Matrix<double, kColumns, kColumns>> llt(D);
+  const Eigen::LLT<Square> llt(D);
   if (llt.info() != Eigen::Success) {
-    const double lowest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kColumns, kColumns>>(
-                              D, Eigen::EigenvaluesOnly)
-                              .eigenvalues()[0];
-    needed_mu_ = mu_ - 2.0 * lowest;
+    needed_mu_ = mu_ - 2.0 * lowest_eigenvalue(D);
     return false;
   }
-  const Eigen::Matrix<double, kColumns, 6> gain = llt.solve(U.transpose());
-  const Eigen::Matrix<double, kColumns, 1> offset = llt.solve(z);
-  K_[b].noalias() -= U * gain;
+  const Columns gain = llt.solve(U.transpose()).transpose();
+  const Vector offset = llt.solve(z);
+  K_[b].noalias() -= U * gain.transpose();
   p_[b].noalias() -= U * offset;
-  for (int i = 0; i < kColumns; ++i) {
-    const auto v = static_cast<std::size_t>(columns[i]);
-    gain_[v] = gain.row(i).transpose();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(i)]);
+    gain_[v] = gain.col(i);
     offset_[v] = offset[i];
   }
   return true;
@@ -218,21 +231,16 @@ bool Articulated::dispatch(const Iterate& at, int link_index, bool newton) {
   for (int v = link.first_v; v < link.first_v + link.v_count; ++v) {
     if (active_[static_cast<std::size_t>(v)]) columns[count++] = v;
   }
-  switch (count) {
+  switch (count) {  // the common joints unrolled, the rest by one instance
     case 0:
       return true;
     case 1:
-      return eliminate<1>(at, link_index, columns, newton);
-    case 2:
-      return eliminate<2>(at, link_index, columns, newton);
+      return eliminate<1>(at, link_index, {columns, 1}, newton);
     case 3:
-      return eliminate<3>(at, link_index, columns, newton);
-    case 4:
-      return eliminate<4>(at, link_index, columns, newton);
-    case 5:
-      return eliminate<5>(at, link_index, columns, newton);
+      return eliminate<3>(at, link_index, {columns, 3}, newton);
     default:
-      return eliminate<6>(at, link_index, columns, newton);
+      return eliminate<Eigen::Dynamic>(at, link_index, {columns, static_cast<std::size_t>(count)},
+                                       newton);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "ik/direction.h"
@@ -61,10 +62,10 @@ class Articulated : public Direction {
   bool sweep_inward(const Iterate& at, bool newton);
   void sweep_outward(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   template <int kColumns>
-  bool eliminate(const Iterate& at, int link, const int* columns, bool newton);
-  template <int kColumns>
-  void add_joint_curvature(const Iterate& at, int link, const int* columns,
-                           Eigen::Matrix<double, kColumns, kColumns>& D) const;
+  bool eliminate(const Iterate& at, int link, std::span<const int> columns, bool newton);
+  template <typename Matrix>
+  void add_joint_curvature(const Iterate& at, int link, std::span<const int> columns,
+                           Matrix& D) const;
   void add_to_parent(const Iterate& at, int link);
   bool dispatch(const Iterate& at, int link, bool newton);
 
