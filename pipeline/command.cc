@@ -52,6 +52,7 @@ std::function<bool(int, int)> progress_bar(std::string what) {
       state->last = now;
       state->shown = true;
     }
+    if (interrupted() && state->shown && !finished) fmt::print(stderr, "\n");
     return !interrupted();
   };
 }

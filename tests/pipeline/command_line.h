@@ -18,12 +18,6 @@
 #include "data/storage_file.h"
 #include "tests/data/test_files.h"
 
-// Published recordings, which the tests that use them are skipped without.
-#define SINEW_REQUIRE_SHARED_DATA(folder)                                  \
-  const std::filesystem::path shared = shared_data();                      \
-  if (shared.empty() || !std::filesystem::is_directory(shared / (folder))) \
-  GTEST_SKIP() << "needs the published recordings in ../shared/data/" << (folder)
-
 namespace sinew {
 
 /// What a run of the command left.
@@ -140,14 +134,6 @@ inline std::filesystem::path shared_data() {
   std::error_code error;
   return std::filesystem::is_directory(folder, error) ? std::filesystem::canonical(folder)
                                                       : std::filesystem::path();
-}
-
-/// The largest difference between two tables' columns of the same name, by name; both have the
-/// same number of rows.
-inline double largest_difference(const TimeTable& a, const TimeTable& b, const std::string& label) {
-  const int i = a.find_column(label), j = b.find_column(label);
-  if (i < 0 || j < 0 || a.values.rows() != b.values.rows()) return 1e300;
-  return (a.values.col(i) - b.values.col(j)).cwiseAbs().maxCoeff();
 }
 
 }  // namespace sinew
