@@ -17,11 +17,14 @@ int main(int argc, char** argv) {
   sinew::print_frame_times(quick ? 5 : 40);
   sinew::print_assembler_times(quick ? 5 : 40);
   fmt::print(
+      "Times are what the process computed, not what passed on the clock.\n\n"
       "What this cannot prove: ratios hold for these models, on this machine, with these compiler\n"
-      "flags, and move by a tenth from run to run where cores are shared. Simbody's operator and\n"
-      "Assembler serve any system, quaternions and constraints included, and keep more than is\n"
+      "flags. Other programs spoil caches: repeat the run before you quote it. Simbody's operator\n"
+      "and Assembler serve any system, quaternions and constraints included, and keep more than "
+      "is\n"
       "needed here; its custom joints call virtual functions where ours have polynomials. The\n"
-      "Assembler's times are those of OpenSim's solver and not of OpenSim's tool. Methods that do\n"
-      "not converge within 2000 iterations are not slower by the printed ratio but by more.\n");
+      "Assembler's times are those of OpenSim's solver, not of OpenSim's tool. Methods that do "
+      "not\n"
+      "converge within 2000 iterations are slower by more than the printed ratio.\n");
   return 0;
 }
