@@ -15,8 +15,8 @@ struct MarkerTrajectories {
   double rate = 0.0;               // [Hz]
   std::vector<int> frame_numbers;  // as the file numbers them
   Eigen::VectorXd time;            // frames [s], strictly increasing
-  RowMatrix p_WM;                  // frames × 3·markers: x, y, z of marker 0, of marker 1, ... [m];
-                                   // NaN = not measured (all three of a marker, or none)
+  RowMatrix p_WM;  // frames × 3·markers: x, y, z of marker 0, of marker 1, ... [m];
+                   // NaN = not measured (all three of a marker, or none)
 
   int marker_count() const { return static_cast<int>(names.size()); }
   int frame_count() const { return static_cast<int>(time.size()); }

@@ -88,6 +88,7 @@ class FrameSolver {
     out.iterations = summary.iterations;
     out.evaluations = summary.evaluations;
     out.cost = summary.final_cost;
+    out.rows = summary.rows;
     read_coordinates(tree_, q, result.coordinates.row(frame));
     measure(tracking_, targets_, minimizer_.workspace(), result.marker_errors.row(frame), out);
   }

@@ -77,6 +77,7 @@ struct FrameResult {
   double marker_max = kNaN;  // [m]
   int worst_marker = -1;     // index into TrackingProblem::markers
   int measured_markers = 0;
+  std::vector<IterationRow> rows;  // filled where the minimizer's options ask for them
 };
 
 struct TrackingResult {

@@ -31,7 +31,7 @@ struct BenchRow {
   double seconds = kNaN;
   int iterations = -1, evaluations = -1;
   double final_cost = kNaN, gradient_norm = kNaN;
-  std::string termination;
+  std::string termination = {};
 };
 
 Json to_json(const BenchRow& row) {

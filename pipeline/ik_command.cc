@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
+#include "data/output_file.h"
 #include "data/storage_file.h"
 #include "pipeline/command.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
+#include "pipeline/trace.h"
 
 namespace sinew {
 namespace {
@@ -41,6 +43,9 @@ struct IkCommand {
     const std::optional<TrackingResult> result = solve_ik(job);
     if (!result) return kExitFailed;
     write_storage(output, coordinate_motion(job.model, *result));
+    if (!options.trace.empty()) {
+      write_file_atomically(options.trace, trace_csv(*result, job.options.first_frame));
+    }
     fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}\n",
                result->frames.size(), result->seconds,
                1e3 * result->seconds / static_cast<double>(result->frames.size()),

@@ -36,6 +36,7 @@ struct IkInputs {
   std::string method = "gauss-newton";
   double tolerance = MinimizerOptions{}.gradient_tolerance;
   int threads = 0;
+  bool record_iterations = false;  // for a trace
 };
 
 /// Everything read and bound, ready to be solved.

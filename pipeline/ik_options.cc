@@ -24,6 +24,7 @@ void IkOptions::add_to(CLI::App& command) {
                   "of weights")
       ->check(more_than_zero())
       ->capture_default_str();
+  command.add_option("--trace", trace, "Write cost, gradient and step of every iteration (.csv)");
   command
       .add_option("--threads", threads, "Threads to use, 0 for all; results do not depend on it")
       ->check(a_thread_count())
@@ -43,6 +44,7 @@ IkInputs IkOptions::inputs() const {
   inputs.method = method;
   inputs.tolerance = tolerance;
   inputs.threads = threads;
+  inputs.record_iterations = !trace.empty();
   return inputs;
 }
 

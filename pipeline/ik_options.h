@@ -11,7 +11,7 @@ namespace sinew {
 
 /// The command-line options that every subcommand with inverse kinematics shares.
 struct IkOptions {
-  std::string model, markers, tasks, coordinates;
+  std::string model, markers, tasks, coordinates, trace;
   std::optional<double> from, to;
   std::string method = IkInputs{}.method;
   double tolerance = IkInputs{}.tolerance;

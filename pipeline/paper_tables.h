@@ -4,12 +4,12 @@
 
 namespace sinew {
 
-/// A cell group of Tables I-IV of Ayusawa & Nakamura 2012 (Intel Core i7 X940, 2.13 GHz; LM from the
-/// paper's reference [8]).
+/// A cell group of Tables I-IV of Ayusawa & Nakamura 2012 (Intel Core i7 X940, 2.13 GHz; LM from
+/// the paper's reference [8]).
 struct PaperRow {
-  char letter;             // case A or B
-  const char* method;      // our name for it
-  bool decomposed;         // gradient by DGC
+  char letter;         // case A or B
+  const char* method;  // our name for it
+  bool decomposed;     // gradient by DGC
   int dof;
   double time_ms;
   int iterations;

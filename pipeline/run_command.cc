@@ -13,6 +13,7 @@
 #include "pipeline/ik_options.h"
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
+#include "pipeline/trace.h"
 #include "pipeline/version.h"
 
 namespace sinew {
@@ -120,6 +121,9 @@ struct RunCommand {
                           marker_errors_csv(marker_errors(job.tracking, solved)));
     write_file_atomically(folder / "frame_errors.csv", frame_errors_csv(job.tracking, solved));
     write_file_atomically(folder / "summary.json", summary.dump(2) + "\n");
+    if (!ik.trace.empty()) {
+      write_file_atomically(ik.trace, trace_csv(solved, job.options.first_frame));
+    }
   }
 
   void print_digest(const TrackingResult& solved, const nlohmann::ordered_json& summary,

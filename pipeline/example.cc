@@ -1,0 +1,116 @@
+#include "pipeline/example.h"
+
+#include <fmt/format.h>
+
+#include <numbers>
+#include <string>
+
+#include "data/output_file.h"
+#include "data/reference_walk.h"
+#include "data/storage_file.h"
+#include "data/trc_file.h"
+#include "dynamics/reference_recording.h"
+
+namespace sinew {
+namespace {
+
+std::string document(const std::string& content) {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenSimDocument Version=\"40000\">\n" +
+         content + "</OpenSimDocument>\n";
+}
+
+std::string external_loads(const ExternalLoadsSetup& loads) {
+  std::string text = "  <ExternalLoads name=\"floor\">\n    <objects>\n";
+  for (const ExternalForce& force : loads.forces) {
+    text += fmt::format(
+        "      <ExternalForce name=\"{}\">\n"
+        "        <applied_to_body>{}</applied_to_body>\n"
+        "        <force_expressed_in_body>{}</force_expressed_in_body>\n"
+        "        <point_expressed_in_body>{}</point_expressed_in_body>\n"
+        "        <force_identifier>{}</force_identifier>\n"
+        "        <point_identifier>{}</point_identifier>\n"
+        "        <torque_identifier>{}</torque_identifier>\n"
+        "      </ExternalForce>\n",
+        force.name, force.applied_to_body, force.force_expressed_in_body,
+        force.point_expressed_in_body, force.force_identifier, force.point_identifier,
+        force.torque_identifier);
+  }
+  return document(text + "    </objects>\n    <datafile>grf.mot</datafile>\n  </ExternalLoads>\n");
+}
+
+// Every marker with the same weight.
+std::string tasks(const MarkerTrajectories& markers) {
+  std::string text = "  <IKTaskSet name=\"markers\">\n    <objects>\n";
+  for (const std::string& name : markers.names) {
+    text += fmt::format(
+        "      <IKMarkerTask name=\"{}\">\n"
+        "        <apply>true</apply>\n"
+        "        <weight>1</weight>\n"
+        "      </IKMarkerTask>\n",
+        name);
+  }
+  return document(text + "    </objects>\n  </IKTaskSet>\n");
+}
+
+std::string time_range(const TimeTable& table) {
+  return fmt::format("{} {}", table.time[0], table.time[table.time.size() - 1]);
+}
+
+std::string ik_setup(const TimeTable& truth) {
+  return document(
+      fmt::format("  <InverseKinematicsTool name=\"walk\">\n"
+                  "    <results_directory>./</results_directory>\n"
+                  "    <model_file>model.osim</model_file>\n"
+                  "    <constraint_weight>Inf</constraint_weight>\n"
+                  "    <accuracy>1e-9</accuracy>\n"
+                  "    <IKTaskSet file=\"ik_tasks.xml\"/>\n"
+                  "    <marker_file>walk.trc</marker_file>\n"
+                  "    <time_range>{}</time_range>\n"
+                  "    <output_motion_file>ik.mot</output_motion_file>\n"
+                  "  </InverseKinematicsTool>\n",
+                  time_range(truth)));
+}
+
+// Markers without noise need no filter, and one would take part of the motion away.
+std::string id_setup(const TimeTable& truth) {
+  return document(fmt::format(
+      "  <InverseDynamicsTool name=\"walk\">\n"
+      "    <results_directory>./</results_directory>\n"
+      "    <model_file>model.osim</model_file>\n"
+      "    <time_range>{}</time_range>\n"
+      "    <forces_to_exclude>Muscles</forces_to_exclude>\n"
+      "    <external_loads_file>grf.xml</external_loads_file>\n"
+      "    <coordinates_file>truth_ik.mot</coordinates_file>\n"
+      "    <lowpass_cutoff_frequency_for_coordinates>-1</lowpass_cutoff_frequency_for_coordinates>"
+      "\n"
+      "    <output_gen_force_file>id.sto</output_gen_force_file>\n"
+      "  </InverseDynamicsTool>\n",
+      time_range(truth)));
+}
+
+TimeTable in_degrees(const MusculoskeletalModel& model, TimeTable table) {
+  for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+    if (model.coordinates[c].motion != Coordinate::Motion::kRotational) continue;
+    table.values.col(static_cast<Eigen::Index>(c)) *= 180.0 / std::numbers::pi;
+  }
+  table.in_degrees = true;
+  return table;
+}
+
+}  // namespace
+
+void write_example(const std::filesystem::path& folder) {
+  const ReferenceWalk walk = reference_walk();
+  const ReferenceRecording recording = make_reference_recording(walk);
+  write_file_atomically(folder / "model.osim", walk.model);
+  write_trc(folder / "walk.trc", recording.markers);
+  write_storage(folder / "grf.mot", recording.forces);
+  write_file_atomically(folder / "grf.xml", external_loads(recording.loads));
+  write_file_atomically(folder / "ik_tasks.xml", tasks(recording.markers));
+  write_file_atomically(folder / "ik_setup.xml", ik_setup(recording.true_coordinates));
+  write_file_atomically(folder / "id_setup.xml", id_setup(recording.true_coordinates));
+  write_storage(folder / "truth_ik.mot", in_degrees(recording.model, recording.true_coordinates));
+  write_storage(folder / "truth_id.sto", recording.true_forces);
+}
+
+}  // namespace sinew
