@@ -54,7 +54,7 @@ struct ReferenceWalk {
 /// The embedded default: a man of 75 kg and 1.80 m at 1.36 m/s, in 31 coordinates of which 27 are
 /// free. The left side is the right side's mirror image, half a stride later.
 ///
-/// The curves are those published for healthy men at their natural cadence (normative_curves())
+/// The curves are those typical of healthy men at their natural cadence (normative_curves())
 /// fitted to this body by least squares over the coefficients of their Fourier series, so that
 ///  - each foot stays where it has stepped, heel, ball and tip in turn, and clears the floor after;
 ///  - the force that the motion asks of the floor has the published course and acts where the feet
@@ -67,10 +67,11 @@ struct NormativeCurve {
   std::string coordinate;           // of the model; of the right side where there are two
   std::vector<double> percent;      // of the stride
   std::vector<double> degrees;      // in the model's sign
-  double standard_deviation = 0.0;  // between men, as published, rounded [degrees]
+  double standard_deviation = 0.0;  // between men, typical [degrees]
 };
 
-/// Typical angles, to a degree, from
+/// Typical angles of healthy men, rounded to a degree: the common course of the curves in the works
+/// below, not a digitization of any one of their figures or tables.
 ///  - Winter DA (2009) Biomechanics and Motor Control of Human Movement, 4th ed., Wiley: hip, knee
 ///    and ankle in the sagittal plane, natural cadence;
 ///  - Kadaba MP, Ramakrishnan HK, Wootten ME (1990) J Orthop Res 8:383-392: pelvis, hip in the
