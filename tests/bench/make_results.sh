@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Runs all benchmarks with the release preset and writes tests/bench/results.md.
-# Usage: bash tests/bench/make_results.sh [SECONDS]   (cut-off of each run of the manipulator, default 60)
+# Usage: bash tests/bench/make_results.sh [SECONDS [quick]]: cut-off of each run of the manipulator,
+# default 60; quick shortens the tables of gradients and frames.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 budget=${1:-60}
+quick=${2:-}
 cmake --preset release >/dev/null
 cmake --build --preset release --target sinew ik_bench
 out=tests/bench/results.md
@@ -13,7 +15,7 @@ block() { printf '\n```\n%s\n' "\$ $*"; "$@"; printf '```\n'; }
 {
   echo "# Measurements"
   echo
-  echo "Written by \`bash tests/bench/make_results.sh $budget\`; all ratios are of one run."
+  echo "Written by \`bash tests/bench/make_results.sh $budget $quick\`; all ratios are of one run."
   echo
   echo "- machine: $(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2 | xargs), $(nproc) cores"
   echo "- compiler: $(c++ --version | head -n 1)"
@@ -27,7 +29,7 @@ block() { printf '\n```\n%s\n' "\$ $*"; "$@"; printf '```\n'; }
   block build/release/bin/sinew bench manipulator --case B --links 1200 --methods articulated-gauss-newton,articulated-newton,articulated,lbfgs --budget "$budget" --growth
   echo
   echo "## Gradients and frames"
-  block build/release/bin/ik_bench
+  block build/release/bin/ik_bench $quick
 } 2>/dev/null > "$new"
 mv "$new" "$out"
 trap - EXIT
