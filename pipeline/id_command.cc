@@ -67,13 +67,13 @@ struct IdCommand {
       merge(tool);
     }
     require_options();
-    check_output(out, inputs());
+    check_outputs({out}, inputs());
     const MusculoskeletalModel description = read_osim(model);
     report(warnings, description.warnings);
     const CoordinateTable motion = coordinate_table(description, read_storage(coordinates));
     report(warnings, motion.warnings);
     IdJob job = prepare_id(description, dynamics, setup_cutoff, threads, warnings);
-    check_output(out, {{"load_data", job.load_data_file}});
+    check_outputs({out}, {{"load_data", job.load_data_file}});
     std::vector<Warning> of_range;
     const auto [first, end] = frames_within(motion.time, range, coordinates, of_range);
     report(warnings, of_range);

@@ -37,7 +37,7 @@ struct IkCommand {
     }
     InputFiles files = input_files(inputs);
     files.emplace_back("setup", setup);
-    check_output(output, files);
+    check_outputs({output, options.trace}, files);
     IkJob job = prepare_ik(inputs);
     report(warnings, job.warnings);
     const std::optional<TrackingResult> result = solve_ik(job);

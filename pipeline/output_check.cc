@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 
@@ -27,16 +28,14 @@ void check_folder(const fs::path& output) {
   while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder.parent_path();
   if (!fs::is_directory(folder, ignored)) {
     refuse(output, fmt::format("cannot be written: {} is a file, not a folder", folder.string()),
-           "Choose another --out.");
+           "Choose another path.");
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
     refuse(output,
            fmt::format("cannot be written: folder {}: {}", folder.string(), std::strerror(errno)),
-           "Choose another --out, or change the folder's permissions.");
+           "Choose another path, or change the folder's permissions.");
   }
 }
-
-}  // namespace
 
 void check_output(const fs::path& output, const InputFiles& inputs) {
   std::error_code ignored;
@@ -46,10 +45,24 @@ void check_output(const fs::path& output, const InputFiles& inputs) {
   for (const auto& [role, input] : inputs) {
     if (!input.empty() && fs::equivalent(input, output, ignored)) {
       refuse(output, fmt::format("is both the output and an input ({})", role),
-             "Choose another --out, so that the input is kept.");
+             "Choose another output, so that the input is kept.");
     }
   }
   check_folder(output);
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<fs::path>& outputs, const InputFiles& inputs) {
+  std::set<fs::path> places;
+  for (const fs::path& output : outputs) {
+    if (output.empty()) continue;
+    check_output(output, inputs);
+    std::error_code ignored;
+    if (!places.insert(fs::weakly_canonical(fs::absolute(output), ignored)).second) {
+      refuse(output, "is two outputs at once", "Choose another name for one of them.");
+    }
+  }
 }
 
 void require_finite_results(const TimeTable& table, const std::string& what) {

@@ -36,7 +36,7 @@ struct RunCommand {
           "FILE.trc, or no file at all for the embedded walk");
     }
     const std::filesystem::path folder = std::filesystem::path(out) / "example";
-    check_output(folder / "model.osim", {});
+    check_outputs({folder / "model.osim"}, {});
     write_example(folder);
     fmt::print("no model given: running the embedded walk, written to {}\n", folder.string());
     ik.model = (folder / "model.osim").string();
@@ -53,14 +53,14 @@ struct RunCommand {
     InputFiles files = input_files(inputs);
     files.emplace_back("loads", dynamics.loads);
     files.emplace_back("load_data", dynamics.load_data);
-    check_outputs(files);
+    check_results(files);
 
     std::vector<Warning> warnings;
     IkJob job = prepare_ik(inputs);
     report(warnings, job.warnings);
     IdJob id_job = prepare_id(job.model, dynamics, std::nullopt, ik.threads, warnings);
     files.back().second = id_job.load_data_file;
-    check_outputs(files);
+    check_results(files);
     check_motion_times(frame_times(job), id_job, job.recording.path);
     nlohmann::ordered_json summary;
     summary["versions"] = component_versions();
@@ -86,9 +86,11 @@ struct RunCommand {
     return unconverged_frames(*solved) == 0 ? kExitOk : kExitFailed;
   }
 
-  void check_outputs(const InputFiles& inputs) const {
+  void check_results(const InputFiles& inputs) const {
     if (out.empty()) throw std::invalid_argument("--out is empty: give --out FOLDER");
-    for (const char* name : kResults) check_output(std::filesystem::path(out) / name, inputs);
+    std::vector<std::filesystem::path> outputs = {ik.trace};
+    for (const char* name : kResults) outputs.push_back(std::filesystem::path(out) / name);
+    check_outputs(outputs, inputs);
   }
 
   static Eigen::VectorXd frame_times(const IkJob& job) {

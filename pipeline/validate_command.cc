@@ -28,7 +28,7 @@ struct ValidateCommand {
   int run() const {
     const IkInputs inputs = ik.inputs();
     ik.require_files(inputs);
-    if (!json.empty()) check_output(json, input_files(inputs));
+    check_outputs({json}, input_files(inputs));
     const IkJob job = prepare_ik(inputs);
     std::vector<Warning> warnings;
     report(warnings, job.warnings);
@@ -190,7 +190,8 @@ void add_validate_command(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand(
       "validate", "Solves the same frames with Simbody's Assembler and compares");
   command->ik.add_to(*sub);
-  sub->remove_option(sub->get_option("--threads"));  // times are of one thread
+  // Times are of one thread, and what is compared is the end of each frame.
+  for (const char* option : {"--threads", "--trace"}) sub->remove_option(sub->get_option(option));
   sub->add_option("--every", command->every, "Compare every Nth frame")
       ->check(a_stride())
       ->capture_default_str();

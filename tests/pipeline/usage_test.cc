@@ -127,8 +127,7 @@ TEST_F(Usage, RefusesAnOutputThatCannotBeWritten) {
   const std::string root = path().string();
   const auto file_for_folder = [&](const std::string& output, const std::string& file) {
     return output + ": cannot be written: " + file +
-           " is a file, not a folder. Choose another "
-           "--out.";
+           " is a file, not a folder. Choose another path.";
   };
   const Arguments ik = {"ik", "--model", "model.osim", "--markers", "walk.trc", "--out"};
   const auto ik_to = [&](const std::string& out) {
@@ -152,13 +151,13 @@ TEST_F(Usage, RefusesAnOutputThatCannotBeWritten) {
     std::filesystem::permissions(path() / "locked", std::filesystem::perms::owner_read);
     expect_refused(ik_to("locked/q.mot"),
                    "locked/q.mot: cannot be written: folder locked: Permission denied. Choose "
-                   "another --out, or change the folder's permissions.");
+                   "another path, or change the folder's permissions.");
     std::filesystem::permissions(path() / "locked", std::filesystem::perms::owner_all);
   }
 }
 
 TEST_F(Usage, NeverOverwritesAnInput) {
-  const std::string remedy = ". Choose another --out, so that the input is kept.";
+  const std::string remedy = ". Choose another output, so that the input is kept.";
   expect_refused({"ik", "--model", "model.osim", "--markers", "walk.trc", "--out", "./walk.trc"},
                  "./walk.trc: is both the output and an input (markers)" + remedy);
   write("ik.mot", content_of(path() / "walk.trc"));
@@ -173,6 +172,25 @@ TEST_F(Usage, NeverOverwritesAnInput) {
   expect_refused(
       {"validate", "--model", "model.osim", "--markers", "walk.trc", "--json", "model.osim"},
       "model.osim: is both the output and an input (model)" + remedy);
+}
+
+TEST_F(Usage, ChecksTheTraceAsAnOutput) {
+  const Arguments ik = {"ik", "--model", "model.osim", "--markers", "walk.trc", "--out"};
+  const auto ik_to = [&](const std::string& out, const std::string& trace) {
+    Arguments all = ik;
+    all.insert(all.end(), {out, "--trace", trace});
+    return all;
+  };
+  expect_refused(ik_to("q.mot", "walk.trc"),
+                 "walk.trc: is both the output and an input (markers). Choose another output, so "
+                 "that the input is kept.");
+  expect_refused(ik_to("q.mot", "./q.mot"),
+                 "./q.mot: is two outputs at once. Choose another name for one of them.");
+  expect_refused(run({"--trace", "results/summary.json"}),
+                 "results/summary.json: is two outputs at once. Choose another name for one of "
+                 "them.");
+  const Outcome ignored = run_sinew(path(), {"validate", "--trace", "x.csv"});
+  EXPECT_EQ(ignored.exit_code, 2);  // it writes no trace
 }
 
 TEST_F(Usage, RefusesTimesThatTheRecordingDoesNotHave) {
@@ -293,11 +311,11 @@ TEST_F(Usage, HelpNamesOptionsAndUnits) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
       {"run",
        {"--model", "--markers", "--tasks", "--task-coordinates", "--from", "--to", "--method",
-        "--gradient-tolerance", "--threads", "--loads", "--load-data", "--cutoff",
+        "--gradient-tolerance", "--trace", "--threads", "--loads", "--load-data", "--cutoff",
         "--project-couplers", "--exact-custom-joints", "--out"}},
       {"ik",
        {"--setup", "--model", "--markers", "--tasks", "--task-coordinates", "--from", "--to",
-        "--method", "--gradient-tolerance", "--threads", "--out"}},
+        "--method", "--gradient-tolerance", "--trace", "--threads", "--out"}},
       {"id",
        {"--setup", "--model", "--coordinates", "--loads", "--load-data", "--cutoff", "--from",
         "--to", "--project-couplers", "--exact-custom-joints", "--threads", "--out"}},
