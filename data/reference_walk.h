@@ -57,11 +57,12 @@ struct ReferenceWalk {
 /// The curves are those typical of healthy men at their natural cadence (normative_curves())
 /// fitted to this body by least squares over the coefficients of their Fourier series, so that
 ///  - each foot stays where it has stepped, heel, ball and tip in turn, and clears the floor after;
-///  - the force that the motion asks of the floor has the published course and acts where the feet
-///    are: see make_reference_recording.
+///  - the force that the motion asks of the floor has the two humps of a walk and acts where the
+///    feet are, and the torques about hip, knee and ankle keep to their typical course: see
+///    make_reference_recording.
 ReferenceWalk reference_walk();
 
-/// Points of a published curve over the stride, from a foot's strike on; the right foot's, or the
+/// Points of a typical curve over the stride, from a foot's strike on; the right foot's, or the
 /// trunk's from the right foot's strike on.
 struct NormativeCurve {
   std::string coordinate;           // of the model; of the right side where there are two

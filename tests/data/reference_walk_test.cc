@@ -72,20 +72,20 @@ TEST(ReferenceWalk, IsSymmetric) {
   }
 }
 
-// The fit to this body moves the curves off the published ones by at most two of their standard
+// The fit to this body moves the curves off the normative ones by at most two of their standard
 // deviations, root mean square; most where the toes, which are locked, do not give.
-TEST(ReferenceWalk, KeepsToPublishedCurves) {
+TEST(ReferenceWalk, KeepsToNormativeCurves) {
   const ReferenceWalk walk = reference_walk();
-  for (const NormativeCurve& published : normative_curves()) {
-    const WalkCurve& curve = curve_of(walk, published.coordinate);
-    ASSERT_EQ(published.percent.size(), published.degrees.size());
+  for (const NormativeCurve& norm : normative_curves()) {
+    const WalkCurve& curve = curve_of(walk, norm.coordinate);
+    ASSERT_EQ(norm.percent.size(), norm.degrees.size());
     double squares = 0.0;
-    for (std::size_t i = 0; i < published.percent.size(); ++i) {
-      const double angle = evaluate(curve.series, published.percent[i] / 100.0)[0];
-      squares += std::pow(angle / kRadiansPerDegree - published.degrees[i], 2);
+    for (std::size_t i = 0; i < norm.percent.size(); ++i) {
+      const double angle = evaluate(curve.series, norm.percent[i] / 100.0)[0];
+      squares += std::pow(angle / kRadiansPerDegree - norm.degrees[i], 2);
     }
-    const double rms = std::sqrt(squares / static_cast<double>(published.percent.size()));
-    EXPECT_LE(rms, 2.0 * published.standard_deviation) << published.coordinate;
+    const double rms = std::sqrt(squares / static_cast<double>(norm.percent.size()));
+    EXPECT_LE(rms, 2.0 * norm.standard_deviation) << norm.coordinate;
   }
 }
 
