@@ -53,6 +53,11 @@ void check_bodies(const MusculoskeletalModel& model) {
       reject(body.source, fmt::format("the mass properties of body '{}' are unusable", body.name),
              "finite numbers, mass 0 or more", "", "Correct mass, mass centre or inertia.");
     }
+    if (body.virtual_link && (body.mass != 0.0 || !body.I_BCm.isZero(0.0))) {
+      reject(body.source, fmt::format("virtual link '{}' has mass", body.name),
+             "no mass and no inertia", fmt::format("{} kg", body.mass),
+             "A virtual link is a place where paths fork, not a part of the body.");
+    }
   }
 }
 
@@ -69,6 +74,10 @@ void check_joints(const MusculoskeletalModel& model) {
         !joint.X_BM.R.allFinite()) {
       reject(joint.source, fmt::format("a frame of joint '{}' is not finite", joint.name),
              "finite numbers", "", "Correct the location and orientation of its frames.");
+    }
+    if (model.bodies[j + 1].virtual_link && joint.kind != Joint::Kind::kFree) {
+      throw std::invalid_argument(fmt::format("joint '{}' of virtual link '{}' is not a free joint",
+                                              joint.name, model.bodies[j + 1].name));
     }
     for (const int c : joint.coordinates) {
       if (c != next_coordinate++ || !in_range(c, model.coordinates.size()) ||
@@ -198,6 +207,11 @@ void check_couplers(const MusculoskeletalModel& model) {
 }
 
 }  // namespace
+
+int MusculoskeletalModel::virtual_link_count() const {
+  return static_cast<int>(std::count_if(bodies.begin(), bodies.end(),
+                                        [](const Body& body) { return body.virtual_link; }));
+}
 
 double MusculoskeletalModel::total_mass() const {
   double sum = 0.0;

@@ -23,6 +23,9 @@ struct Body {
   double mass = 0.0;                                // [kg]
   Eigen::Vector3d p_BCm = Eigen::Vector3d::Zero();  // mass centre [m]
   Eigen::Matrix3d I_BCm = Eigen::Matrix3d::Zero();  // about the mass centre, in B [kg m²]
+  // A furcation of muscles or tendons (Ayusawa & Nakamura 2012, sec. IV): massless, six degrees of
+  // freedom, held by the paths that end on it.
+  bool virtual_link = false;
   SourceLocation source;
 };
 
@@ -125,9 +128,14 @@ struct PathPoint {
   std::array<TransformAxis, 3> location;  // kMoving: x, y, z of the point; `axis` unused
 };
 
-/// A muscle, ligament or spring along a path; the wires of the IK come from these.
+/// A muscle, tendon or ligament along a path; the wires of the IK come from these.
 struct PathElement {
-  enum class Kind { kMuscle, kLigament, kSpring, kActuator };
+  enum class Kind {
+    kMuscle,
+    kTendon,  // between virtual links and bones; OpenSim's PathSpring
+    kLigament,
+    kActuator,
+  };
 
   std::string name;
   Kind kind = Kind::kMuscle;
@@ -138,7 +146,10 @@ struct PathElement {
   double optimal_fiber_length = kNaN;     // muscles [m]
   double tendon_slack_length = kNaN;      // muscles [m]
   double pennation_angle = kNaN;          // muscles, at optimal fiber length [rad]
-  double resting_length = kNaN;           // ligaments, springs [m]
+  // What the path does not exceed, eq. (38)'s l^d [m]. Tendons and ligaments: the length at which
+  // they become taut. Muscles: tendon_slack_length + 1.5 optimal_fiber_length, where the fibres can
+  // no longer pull (Zajac 1989, Crit Rev Biomed Eng 17:359-411). NaN: no wire.
+  double natural_length = kNaN;
   SourceLocation source;
 };
 
@@ -168,6 +179,7 @@ struct MusculoskeletalModel {
   std::vector<Warning> warnings;  // of reading it
 
   double total_mass() const;
+  int virtual_link_count() const;
   // Indices by name, or −1. Exact match.
   int find_body(const std::string& body_name) const;
   int find_joint(const std::string& joint_name) const;

@@ -78,10 +78,13 @@ PathPoint read_path_point(Reader& reader, pugi::xml_node node, const std::string
 
 PathElement::Kind path_kind(std::string_view class_name) {
   if (class_name.find("Ligament") != std::string_view::npos) return PathElement::Kind::kLigament;
-  if (class_name == "PathSpring") return PathElement::Kind::kSpring;
+  if (class_name == "PathSpring") return PathElement::Kind::kTendon;
   if (class_name == "PathActuator") return PathElement::Kind::kActuator;
   return PathElement::Kind::kMuscle;
 }
+
+// Of the optimal length: see PathElement::natural_length.
+constexpr double kLongestFiber = 1.5;
 
 void read_path(Reader& reader, pugi::xml_node node, pugi::xml_node path) {
   const XmlFile& xml = reader.xml;
@@ -107,7 +110,10 @@ void read_path(Reader& reader, pugi::xml_node node, pugi::xml_node path) {
   element.tendon_slack_length = xml.number(node, "tendon_slack_length").value_or(kNaN);
   element.pennation_angle = xml.number(node, "pennation_angle_at_optimal")
                                 .value_or(xml.number(node, "pennation_angle").value_or(kNaN));
-  element.resting_length = xml.number(node, "resting_length").value_or(kNaN);
+  element.natural_length =
+      element.kind == PathElement::Kind::kMuscle
+          ? element.tendon_slack_length + kLongestFiber * element.optimal_fiber_length
+          : xml.number(node, "resting_length").value_or(kNaN);
   reader.model.paths.push_back(std::move(element));
 }
 
