@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "data/butterworth.h"
 #include "data/natural_spline.h"
-#include "dynamics/butterworth.h"
 
 namespace sinew {
 namespace {

@@ -16,7 +16,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "dynamics/butterworth.h"
+#include "data/butterworth.h"
 #include "dynamics/custom_joint_correction.h"
 
 namespace sinew {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "data/coordinate_spline.h"
 #include "data/input_error.h"
 #include "data/time_table.h"
-#include "dynamics/coordinate_spline.h"
 #include "dynamics/coordinate_table.h"
 #include "dynamics/external_loads.h"
 #include "model/musculoskeletal_model.h"

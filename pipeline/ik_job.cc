@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
+#include "data/coordinate_spline.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
-#include "dynamics/coordinate_spline.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
 

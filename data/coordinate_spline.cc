@@ -1,4 +1,4 @@
-#include "dynamics/coordinate_spline.h"
+#include "data/coordinate_spline.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "dynamics/butterworth.h"
+#include "data/butterworth.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "dynamics/butterworth.h"
+#include "data/butterworth.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "dynamics/coordinate_spline.h"
+#include "data/coordinate_spline.h"
 
 namespace sinew {
 namespace {
