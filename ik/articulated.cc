@@ -59,13 +59,25 @@ constexpr double kLeastMu = 1e-12;
 }  // namespace
 
 bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem) {
-  return tree.couplings.empty() && problem.distances.empty() && problem.coincidences.empty() &&
-         problem.alignments.empty();
+  if (!tree.couplings.empty()) return false;
+  const InternalRows rows(tree, problem);
+  const auto link_of = [&](int x) {
+    return tree.link_of_v[static_cast<std::size_t>(tree.unknown_v[static_cast<std::size_t>(x)])];
+  };
+  for (int i = 0; i < rows.support_count(); ++i) {
+    for (const int x : rows.support(i)) {
+      if (link_of(x) != link_of(rows.support(i).front())) return false;
+    }
+  }
+  return true;
 }
 
-Articulated::Articulated(const KinematicTree& tree, Model model, const Options& options)
+Articulated::Articulated(const KinematicTree& tree, const IkProblem& problem, Model model,
+                         const Options& options)
     : model_(model),
       options_(options),
+      rows_(tree, problem),
+      joint_stiffness_(tree.links.size(), Matrix6d::Zero()),
       stiffness_(tree.links.size(), Matrix6d::Zero()),
       K_(tree.links.size(), Matrix6d::Zero()),
       p_(tree.links.size(), Vector6d::Zero()),
@@ -111,8 +123,10 @@ void Articulated::collect_stiffness(const Iterate& at, bool newton) {
       stiffness_[link].topLeftCorner<3, 3>() += rate.transpose() * r.weight * rate;
     }
   }
+  if (rows_.support_count() > 0) collect_joint_stiffness(at);
   scale_ = 0.0;
   for (const Matrix6d& K : stiffness_) scale_ = std::max(scale_, K.trace() / 6.0);
+  for (const Matrix6d& K : joint_stiffness_) scale_ = std::max(scale_, K.trace() / 6.0);
   std::fill(torque_.begin(), torque_.end(), 0.0);
   std::fill(spring_.begin(), spring_.end(), 0.0);
   for (std::size_t i = 0; i < at.problem.coordinates.size(); ++i) {
@@ -124,6 +138,27 @@ void Articulated::collect_stiffness(const Iterate& at, bool newton) {
     spring_[v] += r.weight;
     scale_ = std::max(scale_, r.weight);
   }
+}
+
+// Residuals across one joint: every unknown of a row belongs to the same link.
+void Articulated::collect_joint_stiffness(const Iterate& at) {
+  rows_.update(at.tree, at.workspace);
+  std::fill(joint_stiffness_.begin(), joint_stiffness_.end(), Matrix6d::Zero());
+  rows_.for_each(at.problem, *at.targets, at.workspace,
+                 [&](std::span<const int> unknowns, std::span<const double> row, double weight) {
+                   if (unknowns.empty()) return;
+                   const auto v_of = [&](std::size_t i) {
+                     return at.tree.unknown_v[static_cast<std::size_t>(unknowns[i])];
+                   };
+                   const int link = at.tree.link_of_v[static_cast<std::size_t>(v_of(0))];
+                   const int first = at.tree.links[static_cast<std::size_t>(link)].first_v;
+                   Matrix6d& K = joint_stiffness_[static_cast<std::size_t>(link)];
+                   for (std::size_t i = 0; i < row.size(); ++i) {
+                     for (std::size_t j = 0; j < row.size(); ++j) {
+                       K(v_of(i) - first, v_of(j) - first) += weight * row[i] * row[j];
+                     }
+                   }
+                 });
 }
 
 // C_k of (N2): steps i before j of one joint do not commute, and functions are curved.
@@ -201,6 +236,15 @@ bool Articulated::eliminate(const Iterate& at, int link_index, std::span<const i
     const auto v = static_cast<std::size_t>(columns[static_cast<std::size_t>(i)]);
     z[i] += torque_[v];
     D(i, i) += spring_[v];
+  }
+  if (rows_.support_count() > 0) {
+    const int first = at.tree.links[b].first_v;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index j = 0; j < n; ++j) {
+        D(i, j) += joint_stiffness_[b](columns[static_cast<std::size_t>(i)] - first,
+                                       columns[static_cast<std::size_t>(j)] - first);
+      }
+    }
   }
   if (newton) {
     add_joint_curvature(at, link_index, columns, D);
@@ -293,7 +337,6 @@ bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   mu_ = std::max(mu_, kLeastMu * scale_);
   while (!sweep_inward(at, newton_)) {
     mu_ = std::max(10.0 * mu_, needed_mu_);
-    ;
     if (!(mu_ < kLargestMu * scale_)) return false;
   }
   sweep_outward(at, d);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ik/direction.h"
+#include "ik/internal_rows.h"
 
 namespace sinew {
 
@@ -30,9 +31,11 @@ namespace sinew {
 /// that ratio shows that Gauss-Newton's model misses curvature: at singular postures, and where
 /// residuals stay large.
 ///
-/// The tree's couplings and residuals that join two links do not fit one sweep; see
-/// articulated_sweep_fits(). Newton is approximate in ellipsoid joints and for orientation weights
-/// other than a multiple of E, where Gauss-Newton's part stands in.
+/// A wire or distance across one joint depends on that joint's own steps only: its stiffness w jjᵀ
+/// is added to the joint's D, exactly. The tree's couplings and residuals across several joints do
+/// not fit one sweep; see articulated_sweep_fits(). Newton is approximate in ellipsoid joints, for
+/// residuals between links and for orientation weights other than a multiple of E, where
+/// Gauss-Newton's part stands in.
 /// Allocates at construction only.
 class Articulated : public Direction {
  public:
@@ -45,7 +48,8 @@ class Articulated : public Direction {
     double damping = 1e-6;
   };
 
-  Articulated(const KinematicTree& tree, Model model, const Options& options);
+  Articulated(const KinematicTree& tree, const IkProblem& problem, Model model,
+              const Options& options);
 
   void start() override;
   bool compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) override;
@@ -59,6 +63,7 @@ class Articulated : public Direction {
 
  private:
   void collect_stiffness(const Iterate& at, bool newton);
+  void collect_joint_stiffness(const Iterate& at);
   bool sweep_inward(const Iterate& at, bool newton);
   void sweep_outward(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   template <int kColumns>
@@ -71,7 +76,9 @@ class Articulated : public Direction {
 
   Model model_;
   Options options_;
-  std::vector<Matrix6d> stiffness_;      // links: K of the residuals alone
+  InternalRows rows_;
+  std::vector<Matrix6d> joint_stiffness_;  // links: of the residuals across its joint, by columns
+  std::vector<Matrix6d> stiffness_;        // links: K of the residuals alone
   std::vector<Matrix6d> K_;              // links: K^A, after elimination what the parent takes over
   std::vector<Vector6d> p_;              // links: p^A, likewise
   std::vector<Vector6d> twist_;          // links: v of (N1)
@@ -86,8 +93,8 @@ class Articulated : public Direction {
   bool newton_ = false;     // what kAutomatic takes now
 };
 
-/// True if the tree has no couplings and the problem no residual that joins two links, so that one
-/// sweep solves (N2) exactly.
+/// True if the tree has no couplings and the problem no residual between links across more than one
+/// joint, so that one sweep solves (N2) exactly.
 bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem);
 
 }  // namespace sinew

@@ -3,15 +3,17 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "ik/internal_rows.h"
 #include "ik/residuals.h"
 
 namespace sinew {
 
-/// Gauss-Newton curvature JᵀΣJ of the cost without Jacobians: the stiffness of every residual is
-/// added to its link, (N3), and accumulated inward like a composite inertia.
+/// Gauss-Newton curvature JᵀΣJ of the cost without Jacobians: the stiffness of every residual
+/// between a link and the world is added to its link, (N3), and accumulated inward like a composite
+/// inertia; residuals between links add their own sparse rows, see InternalRows.
 class GaussNewtonCurvature {
  public:
-  explicit GaussNewtonCurvature(const KinematicTree& tree);
+  GaussNewtonCurvature(const KinematicTree& tree, const IkProblem& problem);
 
   /// Collects the stiffness of all residuals and accumulates it inward. Needs update_kinematics().
   /// O(links + residuals).
@@ -19,31 +21,30 @@ class GaussNewtonCurvature {
               const KinematicWorkspace& workspace);
 
   /// Diagonal of JᵀΣJ over the unknowns: exact but for an unknown that drives others through
-  /// couplings, where it is the upper bound of their working together. O(v) and a row operation for
-  /// every residual between two links.
+  /// couplings, where it is the upper bound of their working together.
   void diagonal(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
                 const KinematicWorkspace& workspace, Eigen::Ref<Eigen::VectorXd> diagonal);
 
-  /// All of JᵀΣJ, exactly. O(v · depth) and a row operation for every residual between two links.
+  /// All of JᵀΣJ, exactly.
   void matrix(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
               const KinematicWorkspace& workspace, Eigen::MatrixXd& H);
 
- private:
-  // Calls use(weight) for every residual between two links, with its row of J in row_.
-  template <typename Use>
-  void for_each_pair_row(const KinematicTree& tree, const IkProblem& problem,
-                         const IkTargets& targets, const KinematicWorkspace& workspace,
-                         const Use& use);
-  // Add `direction` · (the derivative of the point's position, or of the link's rotation) to row_.
-  void add_point_row(const KinematicTree& tree, const KinematicWorkspace& workspace, int link,
-                     const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction);
-  void add_turn_row(const KinematicTree& tree, const KinematicWorkspace& workspace, int link,
-                    const Eigen::Vector3d& direction);
+  /// Adds JᵀΣJ to the lower triangle of R, whose rows and columns are the unknowns in reverse
+  /// order, from the leaves to the root: R(n−1−x, n−1−y). Touches nothing beside its pattern.
+  /// O(unknowns · depth) and the square of its support for each row between links.
+  void add_reversed(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
+                    const KinematicWorkspace& workspace, Eigen::MatrixXd& R);
 
-  std::vector<Matrix6d> K_;  // links: composite stiffness at the link's origin, world axes
-  Eigen::MatrixXd H_v_;      // v × v, before couplings are folded
+  /// Sets of unknowns, in reverse order as above, that JᵀΣJ can couple with each other.
+  std::vector<std::vector<int>> reversed_cliques(const KinematicTree& tree,
+                                                 const IkProblem& problem) const;
+
+ private:
+  void add_composite(const KinematicTree& tree, Eigen::MatrixXd& R) const;
+
+  std::vector<Matrix6d> K_;  // links: composite stiffness at rows_.origin(), world axes
+  InternalRows rows_;
   Eigen::VectorXd diagonal_v_;
-  Eigen::VectorXd row_;  // one row of J over the unknowns
 };
 
 }  // namespace sinew

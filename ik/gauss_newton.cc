@@ -11,45 +11,34 @@ constexpr double kLargestRelativeMu = 1e8;
 
 }  // namespace
 
-GaussNewton::GaussNewton(const KinematicTree& tree, const Options& options)
+GaussNewton::GaussNewton(const KinematicTree& tree, const IkProblem& problem,
+                         const Options& options)
     : options_(options),
-      curvature_(tree),
-      H_(tree.unknown_count(), tree.unknown_count()),
-      factor_(tree.unknown_count(), tree.unknown_count()),
-      Hd_(tree.unknown_count()) {}
+      curvature_(tree, problem),
+      factor_(tree.unknown_count(), curvature_.reversed_cliques(tree, problem)),
+      held_(static_cast<std::size_t>(tree.unknown_count()), 0) {}
 
 void GaussNewton::start() {
   relative_mu_ = options_.damping;
   growth_ = 2.0;
 }
 
-bool GaussNewton::factorize(const Iterate& at, double mu) {
-  factor_ = H_;
-  factor_.diagonal().array() += mu;
-  for (Eigen::Index x = 0; x < factor_.rows(); ++x) {
-    if (!at.held[static_cast<std::size_t>(x)]) continue;
-    factor_.row(x).setZero();
-    factor_.col(x).setZero();
-    factor_(x, x) = 1.0;
-  }
-  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(factor_);  // in place
-  return llt.info() == Eigen::Success;
-}
-
 bool GaussNewton::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   curvature_.update(at.tree, at.problem, *at.targets, at.workspace);
-  curvature_.matrix(at.tree, at.problem, *at.targets, at.workspace, H_);
-  scale_ = std::max(H_.diagonal().mean(), 1e-300);
-  while (!factorize(at, relative_mu_ * scale_)) {
+  factor_.clear();
+  curvature_.add_reversed(at.tree, at.problem, *at.targets, at.workspace, factor_.matrix());
+  std::reverse_copy(at.held.begin(), at.held.end(), held_.begin());
+  const double scale = std::max(factor_.matrix().diagonal().mean(), 1e-300);
+  while (!factor_.factorize(relative_mu_ * scale, held_)) {
     relative_mu_ *= 10.0;
     if (!(relative_mu_ < kLargestRelativeMu)) return false;
   }
-  d = -at.g;
-  factor_.triangularView<Eigen::Lower>().solveInPlace(d);
-  factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(d);
-  Hd_.noalias() = H_ * d;
-  expected_ = -at.g.dot(d) - 0.5 * d.dot(Hd_);
-  return d.dot(at.g) < 0.0;
+  d = -at.g.reverse();
+  factor_.solve(d);
+  d.reverseInPlace();
+  const double slope = at.g.dot(d);
+  expected_ = -0.5 * slope + 0.5 * relative_mu_ * scale * d.squaredNorm();
+  return slope < 0.0;
 }
 
 void GaussNewton::learn(double accepted_length, double actual_decrease) {

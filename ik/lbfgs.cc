@@ -5,9 +5,9 @@
 
 namespace sinew {
 
-Lbfgs::Lbfgs(const KinematicTree& tree, const Options& options)
+Lbfgs::Lbfgs(const KinematicTree& tree, const IkProblem& problem, const Options& options)
     : start_(options.start),
-      curvature_(tree),
+      curvature_(tree, problem),
       S_(tree.unknown_count(), options.memory),
       Y_(tree.unknown_count(), options.memory),
       rho_(options.memory),

@@ -25,7 +25,7 @@ class Lbfgs : public Direction {
     Start start = Start::kCurvature;
   };
 
-  Lbfgs(const KinematicTree& tree, const Options& options);
+  Lbfgs(const KinematicTree& tree, const IkProblem& problem, const Options& options);
 
   void start() override;
   bool compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) override;

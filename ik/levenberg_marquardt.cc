@@ -20,7 +20,7 @@ LevenbergMarquardt::LevenbergMarquardt(const KinematicTree& tree, const IkProble
                                        const Options& options)
     : options_(options),
       dual_(choose_dual(options.form, row_count(problem), tree.unknown_count())),
-      curvature_(tree),
+      curvature_(tree, problem),
       rows_(tree, dual_ ? problem : IkProblem{}),
       matrix_(size_of(dual_, tree, problem), size_of(dual_, tree, problem)),
       solution_(dual_ ? row_count(problem) : 0) {}

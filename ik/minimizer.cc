@@ -34,6 +34,7 @@ double weight_scale(const IkProblem& problem) {
   for (const PositionResidual& r : problem.positions) sum += r.weight.trace() / 3.0;
   for (const OrientationResidual& r : problem.orientations) sum += r.weight.trace() / 3.0;
   for (const DistanceResidual& r : problem.distances) sum += r.weight;
+  for (const WireResidual& r : problem.wires) sum += r.weight;
   for (const CoordinateResidual& r : problem.coordinates) sum += r.weight;
   for (const CoincidenceResidual& r : problem.coincidences) sum += r.weight;
   for (const AlignmentResidual& r : problem.alignments) sum += r.weight;

@@ -30,9 +30,9 @@ std::unique_ptr<Direction> make_articulated(const KinematicTree& tree, const IkP
                                             Articulated::Model model,
                                             const MinimizerOptions& options) {
   if (!articulated_sweep_fits(tree, problem)) {
-    return std::make_unique<GaussNewton>(tree, options.gauss_newton);
+    return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton);
   }
-  return std::make_unique<Articulated>(tree, model, options.articulated);
+  return std::make_unique<Articulated>(tree, problem, model, options.articulated);
 }
 
 }  // namespace
@@ -117,11 +117,11 @@ std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkPro
     case Method::kBfgs:
       return std::make_unique<Bfgs>(tree);
     case Method::kLbfgs:
-      return std::make_unique<Lbfgs>(tree, options.lbfgs);
+      return std::make_unique<Lbfgs>(tree, problem, options.lbfgs);
     case Method::kLevenbergMarquardt:
       return std::make_unique<LevenbergMarquardt>(tree, problem, options.levenberg_marquardt);
     case Method::kGaussNewton:
-      return std::make_unique<GaussNewton>(tree, options.gauss_newton);
+      return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton);
     case Method::kArticulatedGaussNewton:
       return make_articulated(tree, problem, Articulated::Model::kGaussNewton, options);
     case Method::kArticulatedNewton:

@@ -96,13 +96,24 @@ void write_distances(const IkProblem& problem, const IkTargets& targets, Writer&
     const DistanceResidual& r = problem.distances[i];
     const Vector3d pa = out.X_WB(r.link_a) * r.p_AP, pb = out.X_WB(r.link_b) * r.p_BQ;
     const double length = (pa - pb).norm();
-    if (r.one_sided && length <= targets.distances[i]) continue;
     const double T = std::sqrt(r.weight);
     // Between coincident points there is no direction; the residual then has a zero row.
     const Vector3d direction = length > 0.0 ? Vector3d((pa - pb) / length) : Vector3d::Zero();
     out.residual<1>(Eigen::Matrix<double, 1, 1>(T * (targets.distances[i] - length)));  // (3)
     out.point<1>(r.link_a, pa, -T * direction.transpose());                             // (15)
     out.point<1>(r.link_b, pb, T * direction.transpose());
+  }
+}
+
+void write_wires(const IkProblem& problem, const KinematicWorkspace& ws, Writer& out) {
+  for (const WireResidual& r : problem.wires) {
+    const double excess = wire_length(problem, r, ws) - r.natural_length;
+    if (!(excess > 0.0)) continue;
+    const double T = std::sqrt(r.weight);
+    out.residual<1>(Eigen::Matrix<double, 1, 1>(-T * excess));  // (38)
+    for_each_wire_point(problem, r, ws, [&](int i, const Vector3d& p, const Vector3d& u) {
+      out.point<1>(wire_point(problem, r, i).link, p, -T * u.transpose());
+    });
   }
 }
 
@@ -141,7 +152,8 @@ void write_coordinates(const IkProblem& problem, const IkTargets& targets,
 int row_count(const IkProblem& problem) {
   return static_cast<int>(3 * (problem.positions.size() + problem.orientations.size() +
                                problem.coincidences.size() + problem.alignments.size()) +
-                          problem.distances.size() + problem.coordinates.size());
+                          problem.distances.size() + problem.wires.size() +
+                          problem.coordinates.size());
 }
 
 ResidualRows::ResidualRows(const KinematicTree& tree, const IkProblem& problem)
@@ -153,6 +165,7 @@ void ResidualRows::update(const KinematicTree& tree, const IkProblem& problem,
   write_positions(problem, targets, out);
   write_orientations(problem, targets, out);
   write_distances(problem, targets, out);
+  write_wires(problem, ws, out);
   write_loops(problem, out);
   write_coordinates(problem, targets, ws, out);
 }

@@ -1,12 +1,8 @@
 #include "ik/residuals.h"
 
-#include <fmt/format.h>
-
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace sinew {
 namespace {
@@ -68,14 +64,23 @@ double accumulate(const IkProblem& problem, const IkTargets& targets, const Kine
     const DistanceResidual& r = problem.distances[i];
     const Vector3d pa = point(ws, r.link_a, r.p_AP), pb = point(ws, r.link_b, r.p_BQ);
     const double length = (pa - pb).norm();
-    double delta = targets.distances[i] - length;
-    if (r.one_sided) delta = std::min(0.0, delta);
+    const double delta = targets.distances[i] - length;
     twice_f += r.weight * delta * delta;
     if constexpr (kWrenches) {
-      if (length == 0.0 || delta == 0.0) continue;  // no direction to pull in, or slack
+      if (length == 0.0) continue;  // no direction to pull in
       const Vector3d f = (-r.weight * delta / length) * (pa - pb);
       sink.force_at(r.link_a, pa, f);
       sink.force_at(r.link_b, pb, -f);
+    }
+  }
+  for (const WireResidual& r : problem.wires) {
+    const double excess = wire_length(problem, r, ws) - r.natural_length;
+    if (!(excess > 0.0)) continue;
+    twice_f += r.weight * excess * excess;
+    if constexpr (kWrenches) {
+      for_each_wire_point(problem, r, ws, [&](int i, const Vector3d& p, const Vector3d& u) {
+        sink.force_at(wire_point(problem, r, i).link, p, r.weight * excess * u);
+      });
     }
   }
   for (const CoincidenceResidual& r : problem.coincidences) {
@@ -124,6 +129,20 @@ IkTargets::IkTargets(const IkProblem& problem)
       orientations(problem.orientations.size(), Matrix3d::Constant(kNaN)),
       distances(problem.distances.size(), kNaN),
       coordinates(problem.coordinates.size(), kNaN) {}
+
+double wire_length(const IkProblem& problem, const WireResidual& wire,
+                   const KinematicWorkspace& ws) {
+  const WirePoint* const points = problem.wire_points.data() + wire.first_point;
+  Vector3d p = point(ws, points[0].link, points[0].p_BP);
+  double length = 0.0;
+  for (int i = 1; i < wire.point_count; ++i) {
+    if (!is_on_path(points[i], ws)) continue;
+    const Vector3d next = point(ws, points[i].link, points[i].p_BP);
+    length += (next - p).norm();
+    p = next;
+  }
+  return length;
+}
 
 Vector3d rotation_vector(const Matrix3d& R) {
   const Eigen::Quaterniond quaternion(R);
@@ -211,85 +230,6 @@ double jacobian_gradient(const KinematicTree& tree, const IkProblem& problem,
     if (x >= 0) g[x] += scale * value;
   });
   return f;
-}
-
-namespace {
-
-[[noreturn]] void reject(const char* kind, std::size_t i, const std::string& problem) {
-  throw std::invalid_argument(fmt::format("{} residual {} {}", kind, i, problem));
-}
-
-void check_link(const KinematicTree& tree, const char* kind, std::size_t i, int link) {
-  if (link < 0 || link >= tree.link_count()) {
-    reject(kind, i, fmt::format("is on link {}; expected 0 to {}", link, tree.link_count() - 1));
-  }
-}
-
-void check_coordinate(const KinematicTree& tree, std::size_t i, const CoordinateResidual& r) {
-  if (r.v < 0 || r.v >= tree.v_count() || r.q < 0 ||
-      tree.q_of_v[static_cast<std::size_t>(r.v)] != r.q) {
-    reject("coordinate", i,
-           fmt::format("is on coordinate {} with direction {}; expected one of the tree's own", r.q,
-                       r.v));
-  }
-}
-
-void check_weight(const char* kind, std::size_t i, double weight) {
-  if (!std::isfinite(weight) || weight < 0.0) {
-    reject(kind, i, fmt::format("has weight {}; expected a finite number, 0 or more", weight));
-  }
-}
-
-void check_weight(const char* kind, std::size_t i, const Matrix3d& weight) {
-  if (!weight.allFinite() || !weight.isApprox(weight.transpose(), 1e-12) ||
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(weight).eigenvalues().minCoeff() <
-          -1e-12 * weight.norm()) {
-    reject(kind, i,
-           "has an unusable weight; expected a symmetric matrix without negative eigenvalues");
-  }
-}
-
-void check_size(const char* kind, std::size_t residuals, std::size_t targets) {
-  if (residuals != targets) {
-    throw std::invalid_argument(
-        fmt::format("{} {} residuals have {} targets; expected as many", residuals, kind, targets));
-  }
-}
-
-}  // namespace
-
-void validate(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets) {
-  check_size("position", problem.positions.size(), targets.positions.size());
-  check_size("orientation", problem.orientations.size(), targets.orientations.size());
-  check_size("distance", problem.distances.size(), targets.distances.size());
-  check_size("coordinate", problem.coordinates.size(), targets.coordinates.size());
-  for (std::size_t i = 0; i < problem.positions.size(); ++i) {
-    check_link(tree, "position", i, problem.positions[i].link);
-    check_weight("position", i, problem.positions[i].weight);
-  }
-  for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
-    check_link(tree, "orientation", i, problem.orientations[i].link);
-    check_weight("orientation", i, problem.orientations[i].weight);
-  }
-  for (std::size_t i = 0; i < problem.distances.size(); ++i) {
-    check_link(tree, "distance", i, problem.distances[i].link_a);
-    check_link(tree, "distance", i, problem.distances[i].link_b);
-    check_weight("distance", i, problem.distances[i].weight);
-  }
-  for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
-    check_coordinate(tree, i, problem.coordinates[i]);
-    check_weight("coordinate", i, problem.coordinates[i].weight);
-  }
-  for (std::size_t i = 0; i < problem.coincidences.size(); ++i) {
-    check_link(tree, "coincidence", i, problem.coincidences[i].link_a);
-    check_link(tree, "coincidence", i, problem.coincidences[i].link_b);
-    check_weight("coincidence", i, problem.coincidences[i].weight);
-  }
-  for (std::size_t i = 0; i < problem.alignments.size(); ++i) {
-    check_link(tree, "alignment", i, problem.alignments[i].link_a);
-    check_link(tree, "alignment", i, problem.alignments[i].link_b);
-    check_weight("alignment", i, problem.alignments[i].weight);
-  }
 }
 
 }  // namespace sinew

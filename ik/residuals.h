@@ -24,13 +24,29 @@ struct OrientationResidual {
   Eigen::Matrix3d weight = Eigen::Matrix3d::Identity();  // Σ_L, symmetric ≥ 0 [1/rad²]
 };
 
-/// (c) Δl = l^d − l(q), eq. (3): the distance of two points. One-sided: a wire, which pulls when it
-/// would be longer than l^d and is slack otherwise, eq. (38).
+/// (c) Δl = l^d − l(q), eq. (3): the distance of two points.
 struct DistanceResidual {
   int link_a = 0, link_b = 0;
   Eigen::Vector3d p_AP = Eigen::Vector3d::Zero(), p_BQ = Eigen::Vector3d::Zero();  // [m]
-  double weight = 1.0;  // σ_D, or ρσ_D of a wire [1/m²]
-  bool one_sided = false;
+  double weight = 1.0;                                                             // σ_D [1/m²]
+};
+
+/// Where a wire passes. A point with a condition is on the path only while q[condition_q] is within
+/// [condition_min, condition_max].
+struct WirePoint {
+  int link = 0;
+  Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();  // [m]
+  int condition_q = -1;
+  double condition_min = 0.0, condition_max = 0.0;
+};
+
+/// min{0, Δl} with Δl = l^d − l(q), eq. (38): a muscle, tendon or ligament along a polyline, which
+/// pulls when it would be longer than its natural length and is slack otherwise.
+struct WireResidual {
+  int first_point = 0, point_count = 0;  // in IkProblem::wire_points; the first and the last always
+                                         // on the path
+  double natural_length = 0.0;           // l^d [m]
+  double weight = 1.0;                   // ρσ_D [1/m²]
 };
 
 /// A coordinate near a value, as OpenSim's IKCoordinateTask.
@@ -58,6 +74,8 @@ struct IkProblem {
   std::vector<PositionResidual> positions;
   std::vector<OrientationResidual> orientations;
   std::vector<DistanceResidual> distances;
+  std::vector<WireResidual> wires;
+  std::vector<WirePoint> wire_points;
   std::vector<CoordinateResidual> coordinates;
   std::vector<CoincidenceResidual> coincidences;
   std::vector<AlignmentResidual> alignments;
@@ -73,6 +91,49 @@ struct IkTargets {
   /// Sized for `problem`, everything missing.
   explicit IkTargets(const IkProblem& problem);
 };
+
+/// Whether a point of a wire is on its path at the workspace's q.
+inline bool is_on_path(const WirePoint& point, const KinematicWorkspace& workspace) {
+  if (point.condition_q < 0) return true;
+  const double q = workspace.q[static_cast<std::size_t>(point.condition_q)];
+  return q >= point.condition_min && q <= point.condition_max;
+}
+
+inline const WirePoint& wire_point(const IkProblem& problem, const WireResidual& wire, int i) {
+  return problem.wire_points[static_cast<std::size_t>(wire.first_point + i)];
+}
+
+/// Length of a wire's polyline [m]. Needs poses.
+double wire_length(const IkProblem& problem, const WireResidual& wire,
+                   const KinematicWorkspace& workspace);
+
+/// Calls use(i, p_W, u) for every point of a wire that is on the path, i its number among the
+/// wire's points: p_W is the point's place and u the sum of the unit vectors from its neighbours to
+/// it, so that l̇ = Σ uᵀ ṗ. Needs poses.
+template <typename Use>
+void for_each_wire_point(const IkProblem& problem, const WireResidual& wire,
+                         const KinematicWorkspace& workspace, const Use& use) {
+  const WirePoint* const points = problem.wire_points.data() + wire.first_point;
+  const auto place = [&](const WirePoint& point) -> Eigen::Vector3d {
+    return workspace.X_WB[static_cast<std::size_t>(point.link)] * point.p_BP;
+  };
+  Eigen::Vector3d p = place(points[0]), before = Eigen::Vector3d::Zero();
+  int current = 0;
+  for (int i = 1; i < wire.point_count; ++i) {
+    if (!is_on_path(points[i], workspace)) continue;
+    const Eigen::Vector3d next = place(points[i]);
+    const Eigen::Vector3d segment = next - p;
+    const double length = segment.norm();
+    // Between coincident points there is no direction.
+    const Eigen::Vector3d after =
+        length > 0.0 ? Eigen::Vector3d(segment / length) : Eigen::Vector3d::Zero();
+    use(current, p, Eigen::Vector3d(before - after));
+    p = next;
+    current = i;
+    before = after;
+  }
+  use(current, p, before);
+}
 
 /// Rotation vector φn of a rotation matrix, φ in [0, π], by way of the quaternion, which keeps it
 /// exact near φ = 0 and continuous near φ = π where eqs. (5)(6) lose n.

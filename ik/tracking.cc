@@ -252,7 +252,7 @@ std::vector<int> undetermined_coordinates(const MusculoskeletalModel& model,
   KinematicWorkspace ws(tree);
   std::copy(q.begin(), q.end(), ws.q.begin());
   update_kinematics(tree, ws);
-  GaussNewtonCurvature curvature(tree);
+  GaussNewtonCurvature curvature(tree, tracking.problem);
   Eigen::MatrixXd H(tree.unknown_count(), tree.unknown_count());
   curvature.update(tree, tracking.problem, targets, ws);
   curvature.matrix(tree, tracking.problem, targets, ws, H);

@@ -95,7 +95,12 @@ TEST_P(AllocationsOf, MinimizingAFrameAreNone) {
   walker.compile();
   for (int b = 1; b < walker.tree.link_count(); ++b) {  // every kind of residual
     walker.problem.orientations.push_back({b});
-    walker.problem.distances.push_back({0, b, {1, 0, 0}, {0, 0.1, 0}, 0.1, b % 2 == 0});
+    walker.problem.distances.push_back({0, b, {1, 0, 0}, {0, 0.1, 0}, 0.1});
+    walker.problem.wires.push_back(
+        {static_cast<int>(walker.problem.wire_points.size()), 3, 0.9, 0.1});
+    walker.problem.wire_points.push_back({0, {1, 0, 0}});
+    walker.problem.wire_points.push_back({1, {0, 0.2, 0}});
+    walker.problem.wire_points.push_back({b, {0, 0.1, 0}});
   }
   walker.problem.coordinates = {{3, 3, 0.1}};
   walker.problem.coincidences = {{2, 5, {0, 0.1, 0}, {0.1, 0, 0}, 0.1}};

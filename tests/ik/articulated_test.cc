@@ -80,21 +80,51 @@ Eigen::MatrixXd hessian_by_differences(const RandomProblem& p) {
   return 0.5 * (H + H.transpose());
 }
 
-class ArticulatedSweep : public testing::TestWithParam<std::tuple<unsigned, bool>> {};
+class ArticulatedSweeps : public testing::TestWithParam<std::tuple<unsigned, bool>> {};
 
-TEST_P(ArticulatedSweep, GaussNewtonSolvesTheDenseEquations) {
+// Taut wires and distances, each across one joint.
+void add_joint_wires(RandomProblem& p, RandomValues& values) {
+  const KinematicWorkspace ws = p.workspace();
+  for (int link = 2; link < p.tree.link_count(); link += 2) {
+    const int parent = p.tree.links[static_cast<std::size_t>(link)].parent;
+    WireResidual wire{static_cast<int>(p.problem.wire_points.size()), 3, 0.0, 2.0};
+    p.problem.wire_points.push_back({parent, values.vector(0.4)});
+    p.problem.wire_points.push_back({link, values.vector(0.4)});
+    p.problem.wire_points.push_back({parent, values.vector(0.4)});
+    wire.natural_length = 0.8 * wire_length(p.problem, wire, ws);
+    p.problem.wires.push_back(wire);
+    p.problem.distances.push_back({parent, link, values.vector(0.4), values.vector(0.4), 3.0});
+    p.targets.distances.push_back(0.3);
+  }
+}
+
+TEST(ArticulatedSweep, FitsWiresAcrossOneJointOnly) {
+  RandomProblem p = sweep_problem(1, false, 0.3);
+  RandomValues values(7);
+  EXPECT_TRUE(articulated_sweep_fits(p.tree, p.problem));
+  add_joint_wires(p, values);
+  EXPECT_TRUE(articulated_sweep_fits(p.tree, p.problem));
+  p.problem.distances.push_back(
+      {0, p.tree.link_count() - 1, values.vector(0.4), values.vector(0.4), 3.0});
+  EXPECT_FALSE(articulated_sweep_fits(p.tree, p.problem));
+}
+
+TEST_P(ArticulatedSweeps, GaussNewtonSolvesTheDenseEquations) {
   const auto [seed, quaternions] = GetParam();
-  const RandomProblem p = sweep_problem(seed, quaternions, 0.3);
+  RandomProblem p = sweep_problem(seed, quaternions, 0.3);
+  RandomValues values(seed + 3000);
+  add_joint_wires(p, values);
+  validate(p.tree, p.problem, p.targets);
   KinematicWorkspace ws = p.workspace();
   Iterate at = iterate_at(p, ws);
   at.held[2] = 1;
   at.g[2] = 0.0;
-  Articulated articulated(p.tree, Articulated::Model::kGaussNewton, {.damping = 1e-6});
+  Articulated articulated(p.tree, p.problem, Articulated::Model::kGaussNewton, {.damping = 1e-6});
   articulated.start();
   Eigen::VectorXd d(p.tree.unknown_count());
   ASSERT_TRUE(articulated.compute(at, d));
 
-  GaussNewtonCurvature curvature(p.tree);
+  GaussNewtonCurvature curvature(p.tree, p.problem);
   Eigen::MatrixXd H(d.size(), d.size());
   curvature.update(p.tree, p.problem, p.targets, ws);
   curvature.matrix(p.tree, p.problem, p.targets, ws, H);
@@ -110,12 +140,12 @@ TEST_P(ArticulatedSweep, GaussNewtonSolvesTheDenseEquations) {
   EXPECT_NEAR(articulated.expected_decrease(), decrease, 1e-9 * std::abs(decrease));
 }
 
-TEST_P(ArticulatedSweep, NewtonSolvesWithTheHessianOfTheCost) {
+TEST_P(ArticulatedSweeps, NewtonSolvesWithTheHessianOfTheCost) {
   const auto [seed, quaternions] = GetParam();
   const RandomProblem p = sweep_problem(seed, quaternions, 0.1);
   KinematicWorkspace ws = p.workspace();
   const Iterate at = iterate_at(p, ws);
-  Articulated articulated(p.tree, Articulated::Model::kNewton, {.damping = 1e-9});
+  Articulated articulated(p.tree, p.problem, Articulated::Model::kNewton, {.damping = 1e-9});
   articulated.start();
   Eigen::VectorXd d(p.tree.unknown_count());
   ASSERT_TRUE(articulated.compute(at, d));
@@ -124,14 +154,14 @@ TEST_P(ArticulatedSweep, NewtonSolvesWithTheHessianOfTheCost) {
   const Eigen::VectorXd residual = H * d + articulated.damping() * d + at.g;
   EXPECT_LT(residual.norm(), 1e-6 * at.g.norm());
   // The second-order terms matter here: Gauss-Newton's matrix does not solve it.
-  GaussNewtonCurvature curvature(p.tree);
+  GaussNewtonCurvature curvature(p.tree, p.problem);
   Eigen::MatrixXd J(d.size(), d.size());
   curvature.update(p.tree, p.problem, p.targets, ws);
   curvature.matrix(p.tree, p.problem, p.targets, ws, J);
   EXPECT_GT((J * d + at.g).norm(), 1e-3 * at.g.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(RandomTrees, ArticulatedSweep,
+INSTANTIATE_TEST_SUITE_P(RandomTrees, ArticulatedSweeps,
                          testing::Combine(testing::Values(1u, 2u, 3u, 4u), testing::Bool()));
 
 }  // namespace

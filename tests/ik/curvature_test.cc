@@ -51,9 +51,17 @@ MatrixXd explicit_curvature(const RandomProblem& p, const KinematicWorkspace& ws
     const DistanceResidual& r = p.problem.distances[i];
     const Vector3d d = place(r.link_a, r.p_AP) - place(r.link_b, r.p_BQ);
     if (std::isnan(p.targets.distances[i])) continue;
-    if (r.one_sided && d.norm() <= p.targets.distances[i]) continue;
     const MatrixXd J =
         d.normalized().transpose() * (J_Bp(r.link_a, r.p_AP) - J_Bp(r.link_b, r.p_BQ));
+    H += r.weight * J.transpose() * J;
+  }
+  for (const WireResidual& r : p.problem.wires) {
+    if (wire_length(p.problem, r, ws) <= r.natural_length) continue;
+    MatrixXd J = MatrixXd::Zero(1, n);
+    for_each_wire_point(p.problem, r, ws, [&](int k, const Vector3d&, const Vector3d& u) {
+      const WirePoint& point = wire_point(p.problem, r, k);
+      J += u.transpose() * J_Bp(point.link, point.p_BP);
+    });
     H += r.weight * J.transpose() * J;
   }
   for (const CoincidenceResidual& r : p.problem.coincidences) {
@@ -99,7 +107,7 @@ TEST_P(Curvature, IsThatOfTheExplicitJacobians) {
     make_alignments_parallel(p, ws);
     MatrixXd expected = explicit_curvature(p, ws);
     add_coordinate_curvature(p, ws, expected);
-    GaussNewtonCurvature curvature(p.tree);
+    GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd H(expected.rows(), expected.cols());
     curvature.update(p.tree, p.problem, p.targets, ws);
     curvature.matrix(p.tree, p.problem, p.targets, ws, H);
@@ -115,7 +123,7 @@ TEST_P(Curvature, HasTheDiagonalOfItsMatrix) {
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     const RandomProblem p = random_problem(seed, GetParam());
     const KinematicWorkspace ws = p.workspace();
-    GaussNewtonCurvature curvature(p.tree);
+    GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd H(p.tree.unknown_count(), p.tree.unknown_count());
     VectorXd diagonal(p.tree.unknown_count());
     curvature.update(p.tree, p.problem, p.targets, ws);
@@ -148,7 +156,7 @@ TEST_P(Curvature, IsThatOfTheGradientsDifferencesAtZeroResidual) {
       const PositionResidual& r = p.problem.positions[i];
       p.targets.positions[i] = at.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP;
     }
-    GaussNewtonCurvature curvature(p.tree);
+    GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd H(p.tree.unknown_count(), p.tree.unknown_count());
     curvature.update(p.tree, p.problem, p.targets, at);
     curvature.matrix(p.tree, p.problem, p.targets, at, H);

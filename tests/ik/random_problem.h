@@ -89,13 +89,38 @@ inline void add_random_points(RandomProblem& p, RandomValues& values) {
     p.targets.positions.push_back(i == 3 ? Eigen::Vector3d::Constant(kNaN) : values.vector(2.0));
   }
   for (int i = 0; i < 24; ++i) {
-    p.problem.distances.push_back({link(), link(), values.vector(0.4), values.vector(0.4),
-                                   values.uniform(0.1, 9.0), i % 2 == 1});
+    p.problem.distances.push_back(
+        {link(), link(), values.vector(0.4), values.vector(0.4), values.uniform(0.1, 9.0)});
     p.targets.distances.push_back(i == 4 ? kNaN : values.uniform(0.0, 2.0));
   }
   for (int i = 0; i < 5; ++i) {
     p.problem.coincidences.push_back(
         {link(), link(), values.vector(0.4), values.vector(0.4), values.uniform(0.1, 9.0)});
+  }
+}
+
+// Polylines of two to five points, some on the path only in a range of a coordinate; two thirds of
+// them taut.
+inline void add_random_wires(RandomProblem& p, RandomValues& values) {
+  const KinematicWorkspace ws = p.workspace();
+  for (int i = 0; i < 24; ++i) {
+    WireResidual wire;
+    wire.first_point = static_cast<int>(p.problem.wire_points.size());
+    wire.point_count = values.integer(2, 5);
+    for (int k = 0; k < wire.point_count; ++k) {
+      WirePoint point{values.integer(0, p.tree.link_count() - 1), values.vector(0.4)};
+      if (k > 0 && k + 1 < wire.point_count && values.integer(0, 1) == 1) {
+        point.condition_q = values.integer(0, p.tree.q_count() - 1);
+        const double q = p.q[static_cast<std::size_t>(point.condition_q)];
+        const double shift = values.integer(0, 1) == 1 ? 0.1 : 3.0;  // on the path or off it
+        point.condition_min = q - 1.0 + shift;
+        point.condition_max = q + 1.0 + shift;
+      }
+      p.problem.wire_points.push_back(point);
+    }
+    wire.natural_length = values.uniform(0.5, 1.25) * wire_length(p.problem, wire, ws);
+    wire.weight = values.uniform(0.1, 9.0);
+    p.problem.wires.push_back(wire);
   }
 }
 
@@ -136,6 +161,7 @@ inline RandomProblem random_problem(unsigned seed, bool quaternions) {
   RandomValues values(seed + 1000);
   p.q = random_q(p.tree, values, 0.8);
   add_random_points(p, values);
+  add_random_wires(p, values);
   add_random_frames(p, values);
   add_random_coordinate_targets(p, values);
   validate(p.tree, p.problem, p.targets);
@@ -155,8 +181,8 @@ inline RandomProblem only(RandomProblem p, ResidualKind kind) {
   if (kind != kCoordinate) clear(p.problem.coordinates, p.targets.coordinates);
   if (kind != kCoincidence) p.problem.coincidences.clear();
   if (kind != kAlignment) p.problem.alignments.clear();
-  if (kind != kDistance && kind != kWire) clear(p.problem.distances, p.targets.distances);
-  for (DistanceResidual& r : p.problem.distances) r.one_sided = kind == kWire;
+  if (kind != kDistance) clear(p.problem.distances, p.targets.distances);
+  if (kind != kWire) p.problem.wires.clear();
   return p;
 }
 

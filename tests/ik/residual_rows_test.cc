@@ -24,7 +24,7 @@ TEST_P(ResidualRowsOf, MakeTheCostItsGradientAndItsCurvature) {
     const int n = p.tree.unknown_count();
     VectorXd g(n);
     const double f = decomposed_gradient(p.tree, p.problem, p.targets, ws, g);
-    GaussNewtonCurvature curvature(p.tree);
+    GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd B(n, n);
     curvature.update(p.tree, p.problem, p.targets, ws);
     curvature.matrix(p.tree, p.problem, p.targets, ws, B);
@@ -44,14 +44,13 @@ TEST(ResidualRows, HaveNoneForWhatIsNotMeasuredAndForSlackWires) {
   RandomProblem p = random_problem(0, false);
   KinematicWorkspace ws = p.workspace();
   EXPECT_EQ(row_count(p.problem),
-            3 * (20 + 10 + 5 + 5) + 24 + static_cast<int>(p.problem.coordinates.size()));
+            3 * (20 + 10 + 5 + 5) + 24 + 24 + static_cast<int>(p.problem.coordinates.size()));
   p = only(p, ResidualKind::kWire);
-  p.targets.distances.assign(p.targets.distances.size(), 100.0);
+  for (WireResidual& wire : p.problem.wires) wire.natural_length = 100.0;
   ResidualRows rows(p.tree, p.problem);
   rows.update(p.tree, p.problem, p.targets, ws);
   EXPECT_EQ(rows.count, 0);
-  p.targets.distances[0] = 0.0;
-  p.targets.distances[1] = kNaN;
+  p.problem.wires[0].natural_length = 0.0;
   rows.update(p.tree, p.problem, p.targets, ws);
   EXPECT_EQ(rows.count, 1);
 }

@@ -50,6 +50,7 @@ class ExplicitGradient {
     for (std::size_t i = 0; i < p_.problem.positions.size(); ++i) add_position(i);
     for (std::size_t i = 0; i < p_.problem.orientations.size(); ++i) add_orientation(i);
     for (std::size_t i = 0; i < p_.problem.distances.size(); ++i) add_distance(i);
+    for (const WireResidual& r : p_.problem.wires) add_wire(r);
     for (const CoincidenceResidual& r : p_.problem.coincidences) {
       const MatrixXd J = J_Bp(r.link_a, r.p_AP) - J_Bp(r.link_b, r.p_BQ);
       g_ += r.weight * J.transpose() * (place(r.link_a, r.p_AP) - place(r.link_b, r.p_BQ));
@@ -102,10 +103,31 @@ class ExplicitGradient {
     if (std::isnan(p_.targets.distances[i])) return;
     const Vector3d pa = place(r.link_a, r.p_AP), pb = place(r.link_b, r.p_BQ);
     const double l = (pa - pb).norm(), delta = p_.targets.distances[i] - l;
-    if (r.one_sided && delta > 0.0) return;
     const MatrixXd J_l =
         -1.0 / l * (pa - pb).transpose() * (J_Bp(r.link_a, r.p_AP) - J_Bp(r.link_b, r.p_BQ));
     g_ += r.weight * delta * J_l.transpose();
+  }
+
+  // Eq. (38), segment by segment.
+  void add_wire(const WireResidual& r) {
+    std::vector<WirePoint> path;
+    for (int k = 0; k < r.point_count; ++k) {
+      const WirePoint& point = p_.problem.wire_points[static_cast<std::size_t>(r.first_point + k)];
+      const double q =
+          point.condition_q < 0 ? 0.0 : ws_.q[static_cast<std::size_t>(point.condition_q)];
+      const bool off =
+          point.condition_q >= 0 && (q < point.condition_min || q > point.condition_max);
+      if (!off) path.push_back(point);
+    }
+    double l = 0.0;
+    MatrixXd J_l = MatrixXd::Zero(1, p_.tree.unknown_count());
+    for (std::size_t k = 1; k < path.size(); ++k) {
+      const WirePoint &a = path[k - 1], &b = path[k];
+      const Vector3d d = place(a.link, a.p_BP) - place(b.link, b.p_BP);
+      l += d.norm();
+      J_l -= d.normalized().transpose() * (J_Bp(a.link, a.p_BP) - J_Bp(b.link, b.p_BP));
+    }
+    g_ += r.weight * std::min(0.0, r.natural_length - l) * J_l.transpose();
   }
 
   void add_coordinate(std::size_t i) {
@@ -358,37 +380,77 @@ TEST(OrientationGradient, IsFiniteAtHalfATurn) {
 }
 
 // Two points on the x axis, link 1 sliding along it from 1 m.
-RandomProblem one_wire(double natural_length, bool one_sided) {
+RandomProblem slider() {
   RandomProblem p;
   p.model = empty_model();
   add_body(p.model, 0, Joint::Kind::kSlider, "t");
   p.model.coordinates[0].default_value = 1.0;
   p.tree = compile_tree(p.model);
   p.q = p.tree.default_q;
-  p.problem.distances = {{0, 1, Vector3d::Zero(), Vector3d::Zero(), 4.0, one_sided}};
-  p.targets.distances = {natural_length};
+  return p;
+}
+
+RandomProblem one_distance(double length) {
+  RandomProblem p = slider();
+  p.problem.distances = {{0, 1, Vector3d::Zero(), Vector3d::Zero(), 4.0}};
+  p.targets.distances = {length};
+  return p;
+}
+
+RandomProblem one_wire(double natural_length) {
+  RandomProblem p = slider();
+  p.problem.wire_points = {{0, Vector3d::Zero()}, {1, Vector3d::Zero()}};
+  p.problem.wires = {{0, 2, natural_length, 4.0}};
   return p;
 }
 
 TEST(Distance, PullsAndPushesButAWireOnlyPulls) {
   const struct {
-    double natural_length;
-    bool one_sided;
+    RandomProblem problem;
     double f, g;
-  } cases[] = {{0.75, false, 0.125, 1.0}, {1.25, false, 0.125, -1.0}, {1.0, false, 0.0, 0.0},
-               {0.75, true, 0.125, 1.0},  {1.25, true, 0.0, 0.0},     {1.0, true, 0.0, 0.0},
-               {kNaN, false, 0.0, 0.0}};
+  } cases[] = {{one_distance(0.75), 0.125, 1.0}, {one_distance(1.25), 0.125, -1.0},
+               {one_distance(1.0), 0.0, 0.0},    {one_wire(0.75), 0.125, 1.0},
+               {one_wire(1.25), 0.0, 0.0},       {one_wire(1.0), 0.0, 0.0},
+               {one_distance(kNaN), 0.0, 0.0}};
   for (const auto& c : cases) {
-    const RandomProblem p = one_wire(c.natural_length, c.one_sided);
-    KinematicWorkspace ws = p.workspace();
+    KinematicWorkspace ws = c.problem.workspace();
     VectorXd g(1);
-    EXPECT_EQ(decomposed_gradient(p.tree, p.problem, p.targets, ws, g), c.f) << c.natural_length;
-    EXPECT_EQ(g[0], c.g) << c.natural_length;
+    EXPECT_EQ(decomposed_gradient(c.problem.tree, c.problem.problem, c.problem.targets, ws, g),
+              c.f);
+    EXPECT_EQ(g[0], c.g);
   }
 }
 
+// From the world's origin over a pulley 3 m up to a slider 4 m along the floor: a right triangle.
+TEST(Wire, RunsOverItsViaPoints) {
+  RandomProblem p = slider();
+  p.q = {4.0};
+  p.problem.wire_points = {{0, Vector3d::Zero()}, {0, Vector3d(0, 3, 0)}, {1, Vector3d::Zero()}};
+  p.problem.wires = {{0, 3, 7.0, 2.0}};
+  KinematicWorkspace ws = p.workspace();
+  VectorXd g(1);
+  EXPECT_DOUBLE_EQ(wire_length(p.problem, p.problem.wires[0], ws), 8.0);
+  EXPECT_DOUBLE_EQ(decomposed_gradient(p.tree, p.problem, p.targets, ws, g), 1.0);
+  EXPECT_DOUBLE_EQ(g[0], 2.0 * 4.0 / 5.0);
+  // Off the path below 5 m, the wire goes straight and is slack.
+  p.problem.wire_points[1].condition_q = 0;
+  p.problem.wire_points[1].condition_min = 5.0;
+  p.problem.wire_points[1].condition_max = 6.0;
+  EXPECT_DOUBLE_EQ(wire_length(p.problem, p.problem.wires[0], ws), 4.0);
+  EXPECT_EQ(decomposed_gradient(p.tree, p.problem, p.targets, ws, g), 0.0);
+}
+
+TEST(Wire, HasNoDirectionBetweenCoincidentPoints) {
+  RandomProblem p = one_wire(0.0);
+  p.q = {0.0};
+  KinematicWorkspace ws = p.workspace();
+  VectorXd g(1);
+  EXPECT_EQ(decomposed_gradient(p.tree, p.problem, p.targets, ws, g), 0.0);
+  EXPECT_EQ(g[0], 0.0);
+}
+
 TEST(Distance, HasNoDirectionBetweenCoincidentPoints) {
-  RandomProblem p = one_wire(0.5, false);
+  RandomProblem p = one_distance(0.5);
   p.q = {0.0};
   KinematicWorkspace ws = p.workspace();
   VectorXd g(1);
@@ -398,6 +460,7 @@ TEST(Distance, HasNoDirectionBetweenCoincidentPoints) {
 
 TEST(MissingTargets, LeaveCostAndGradientAsIfTheirResidualsWereNotThere) {
   RandomProblem p = random_problem(7, false);
+  p.problem.wires.clear();
   p.problem.coincidences.clear();
   p.problem.alignments.clear();
   p.targets = IkTargets(p.problem);
@@ -429,6 +492,24 @@ TEST(Validate, NamesTheResidualThatIsWrong) {
   p = good;
   p.problem.distances[3].weight = -1.0;
   EXPECT_EQ(error_of(p), "distance residual 3 has weight -1; expected a finite number, 0 or more");
+  p = good;
+  p.problem.wires[2].natural_length = -0.5;
+  EXPECT_EQ(error_of(p),
+            "wire residual 2 has natural length -0.5; expected a finite number, 0 or more");
+  p = good;
+  p.problem.wires[23].point_count = 40;
+  const auto points = static_cast<int>(p.problem.wire_points.size());
+  const int first = p.problem.wires[23].first_point;
+  EXPECT_EQ(error_of(p), "wire residual 23 has points " + std::to_string(first) + " to " +
+                             std::to_string(first + 39) + " of " + std::to_string(points) +
+                             "; expected two or more of them");
+  p = good;
+  p.problem.wire_points[0].link = 99;
+  EXPECT_EQ(error_of(p), "wire residual 0 is on link 99; expected 0 to 24");
+  p = good;
+  p.problem.wire_points[0].condition_q = 1;
+  EXPECT_EQ(error_of(p),
+            "wire residual 0 has a condition on its first or last point; expected it in between");
   p = good;
   p.problem.coincidences[4].link_b = -1;
   EXPECT_EQ(error_of(p), "coincidence residual 4 is on link -1; expected 0 to 24");
