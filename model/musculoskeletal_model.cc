@@ -232,6 +232,11 @@ int MusculoskeletalModel::find_marker(const std::string& marker_name) const {
   return index_by_name(markers, marker_name);
 }
 
+double muscle_natural_length(const PathElement& muscle) {
+  constexpr double kLongestFiber = 1.5;  // of the optimal length
+  return muscle.tendon_slack_length + kLongestFiber * muscle.optimal_fiber_length;
+}
+
 void validate(const MusculoskeletalModel& model) {
   check_bodies(model);
   check_joints(model);

@@ -150,6 +150,9 @@ struct PathElement {
   // they become taut. Muscles: tendon_slack_length + 1.5 optimal_fiber_length, where the fibres can
   // no longer pull (Zajac 1989, Crit Rev Biomed Eng 17:359-411). NaN: no wire.
   double natural_length = kNaN;
+  double stiffness = kNaN;    // tendons [N/m]
+  double dissipation = kNaN;  // tendons [s/m]
+  double pcsa_force = kNaN;   // ligaments: the force that scales their curve [N]
   SourceLocation source;
 };
 
@@ -186,6 +189,10 @@ struct MusculoskeletalModel {
   int find_coordinate(const std::string& coordinate_name) const;
   int find_marker(const std::string& marker_name) const;
 };
+
+/// The length that a muscle's path does not exceed, see PathElement::natural_length [m]. NaN where
+/// the lengths of its parts are not known.
+double muscle_natural_length(const PathElement& muscle);
 
 /// Checks every invariant stated above: indices in range, parents before children, names unique,
 /// couplers without cycles, numbers finite, masses and inertias physical. Throws InputError naming

@@ -110,6 +110,7 @@ MusculoskeletalModel read_document(const XmlFile& xml) {
   read_constraints(reader);
   read_markers(reader);
   read_forces(reader);
+  mark_virtual_links(reader.model);
   validate(reader.model);
   return std::move(reader.model);
 }

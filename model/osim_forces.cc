@@ -76,6 +76,8 @@ PathPoint read_path_point(Reader& reader, pugi::xml_node node, const std::string
   return point;
 }
 
+}  // namespace
+
 PathElement::Kind path_kind(std::string_view class_name) {
   if (class_name.find("Ligament") != std::string_view::npos) return PathElement::Kind::kLigament;
   if (class_name == "PathSpring") return PathElement::Kind::kTendon;
@@ -83,8 +85,7 @@ PathElement::Kind path_kind(std::string_view class_name) {
   return PathElement::Kind::kMuscle;
 }
 
-// Of the optimal length: see PathElement::natural_length.
-constexpr double kLongestFiber = 1.5;
+namespace {
 
 void read_path(Reader& reader, pugi::xml_node node, pugi::xml_node path) {
   const XmlFile& xml = reader.xml;
@@ -110,11 +111,30 @@ void read_path(Reader& reader, pugi::xml_node node, pugi::xml_node path) {
   element.tendon_slack_length = xml.number(node, "tendon_slack_length").value_or(kNaN);
   element.pennation_angle = xml.number(node, "pennation_angle_at_optimal")
                                 .value_or(xml.number(node, "pennation_angle").value_or(kNaN));
-  element.natural_length =
-      element.kind == PathElement::Kind::kMuscle
-          ? element.tendon_slack_length + kLongestFiber * element.optimal_fiber_length
-          : xml.number(node, "resting_length").value_or(kNaN);
+  element.natural_length = element.kind == PathElement::Kind::kMuscle
+                               ? muscle_natural_length(element)
+                               : xml.number(node, "resting_length")
+                                     .value_or(xml.number(node, "slack_length").value_or(kNaN));
+  if (element.kind == PathElement::Kind::kTendon) {
+    element.stiffness = xml.number(node, "stiffness").value_or(kNaN);
+    element.dissipation = xml.number(node, "dissipation").value_or(kNaN);
+  }
+  if (element.kind == PathElement::Kind::kLigament) {
+    element.pcsa_force = xml.number(node, "pcsa_force").value_or(kNaN);
+  }
   reader.model.paths.push_back(std::move(element));
+}
+
+// A body without mass that only paths hold is a furcation: nothing else could carry it.
+bool is_virtual_link(const MusculoskeletalModel& model, int b) {
+  const Body& body = model.bodies[static_cast<std::size_t>(b)];
+  if (body.mass != 0.0 || !body.I_BCm.isZero(0.0)) return false;
+  if (model.joints[static_cast<std::size_t>(b) - 1].kind != Joint::Kind::kFree) return false;
+  const auto hangs_on_it = [b](const Joint& joint) { return joint.parent == b; };
+  if (std::any_of(model.joints.begin(), model.joints.end(), hangs_on_it)) return false;
+  return std::any_of(model.paths.begin(), model.paths.end(), [b](const PathElement& path) {
+    return path.points.front().body == b || path.points.back().body == b;
+  });
 }
 
 // Forces that inverse dynamics would have to apply; everything else in a ForceSet is an actuator,
@@ -129,6 +149,12 @@ bool acts_without_command(std::string_view class_name) {
 }
 
 }  // namespace
+
+void mark_virtual_links(MusculoskeletalModel& model) {
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    model.bodies[b].virtual_link = is_virtual_link(model, static_cast<int>(b));
+  }
+}
 
 void read_forces(Reader& reader) {
   std::size_t wrapped = 0, passive = 0;

@@ -247,9 +247,7 @@ Coordinate read_coordinate(Reader& reader, pugi::xml_node node) {
   return c;
 }
 
-// A coordinate that turns about or shifts along an axis one to one is rotational or
-// translational; one that only drives functions is coupled (OpenSim 4's rule).
-Coordinate::Motion motion_of(const Joint& joint, int coordinate) {
+Coordinate::Motion custom_motion(const Joint& joint, int coordinate) {
   bool used = false;
   Coordinate::Motion motion = Coordinate::Motion::kCoupled;
   for (std::size_t i = 0; i < 6; ++i) {
@@ -428,6 +426,13 @@ class JointCoordinates {
   std::map<std::string, int> index_by_name_;
 };
 
+void set_motions(Reader& reader, const Joint& joint) {
+  for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
+    reader.model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].motion =
+        motion_of(joint, i);
+  }
+}
+
 void read_custom_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordinates) {
   Joint& joint = raw.joint;
   const auto axes = transform_axes(reader, raw);
@@ -441,9 +446,7 @@ void read_custom_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordina
   }
   require_independent_axes(reader, raw);
   require_at_most_six(reader, raw);
-  for (const int c : joint.coordinates) {
-    reader.model.coordinates[static_cast<std::size_t>(c)].motion = motion_of(joint, c);
-  }
+  set_motions(reader, joint);
 }
 
 void read_standard_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordinates) {
@@ -458,11 +461,7 @@ void read_standard_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordi
                                std::to_string(joint.coordinates.size()),
                                "Remove coordinates, or use a CustomJoint."});
   }
-  for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
-    reader.model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].motion =
-        joint_class.motions[i] == 'r' ? Coordinate::Motion::kRotational
-                                      : Coordinate::Motion::kTranslational;
-  }
+  set_motions(reader, joint);
 }
 
 void read_radii(Reader& reader, RawJoint& raw) {
@@ -507,6 +506,15 @@ void rename_repeated(Reader& reader, Joint& joint, std::set<std::string>& names)
 }
 
 }  // namespace
+
+const char* joint_class_name(Joint::Kind kind) { return find_joint_class(kind)->name; }
+
+Coordinate::Motion motion_of(const Joint& joint, std::size_t position) {
+  if (joint.kind == Joint::Kind::kCustom) return custom_motion(joint, joint.coordinates[position]);
+  return find_joint_class(joint.kind)->motions[position] == 'r'
+             ? Coordinate::Motion::kRotational
+             : Coordinate::Motion::kTranslational;
+}
 
 void read_joints(Reader& reader) {
   std::vector<RawJoint> joints = collect_joints(reader);

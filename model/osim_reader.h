@@ -91,6 +91,20 @@ void read_joints(Reader& reader);
 void read_constraints(Reader& reader);
 void read_markers(Reader& reader);
 void read_forces(Reader& reader);
+/// Sets Body::virtual_link of massless bodies on a free joint that carry no other body and on which
+/// a path ends. Needs the paths.
+void mark_virtual_links(MusculoskeletalModel& model);
+
+/// What an element of this class with a path is to Sinew.
+PathElement::Kind path_kind(std::string_view class_name);
+
+/// The element that describes a joint of this kind.
+const char* joint_class_name(Joint::Kind kind);
+
+/// How the position-th coordinate of a joint counts. In a custom joint, one that turns about or
+/// shifts along an axis one to one is rotational or translational, one that only drives functions
+/// is coupled (OpenSim 4's rule).
+Coordinate::Motion motion_of(const Joint& joint, std::size_t position);
 
 /// Index of a coordinate by name or by path; throws InputError naming `node`.
 int coordinate_index(const Reader& reader, const std::string& reference, pugi::xml_node node);

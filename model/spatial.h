@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
 /// Notation, used in the whole project.
 ///
@@ -41,6 +42,17 @@ inline Eigen::Matrix3d rotation_from_body_xyz(const Eigen::Vector3d& angles) {
   return (AngleAxisd(angles.x(), Vector3d::UnitX()) * AngleAxisd(angles.y(), Vector3d::UnitY()) *
           AngleAxisd(angles.z(), Vector3d::UnitZ()))
       .toRotationMatrix();
+}
+
+/// Angles [rad] that rotation_from_body_xyz() turns into R again, to rounding. The first is within
+/// ±π and the second within ±π/2; where the second is ±π/2, the first is whatever rounding left.
+inline Eigen::Vector3d body_xyz_from_rotation(const Eigen::Matrix3d& R) {
+  const double x = std::atan2(-R(1, 2), R(2, 2));
+  const double cx = std::cos(x), sx = std::sin(x);
+  // Of Rx(−x)·R, so that the other two fit whatever x is near the singularity.
+  const double y = std::atan2(R(0, 2), cx * R(2, 2) - sx * R(1, 2));
+  const double z = std::atan2(cx * R(1, 0) + sx * R(2, 0), cx * R(1, 1) + sx * R(2, 1));
+  return Eigen::Vector3d(x, y, z) + Eigen::Vector3d::Zero();  // no −0
 }
 
 }  // namespace sinew
