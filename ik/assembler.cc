@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ik/assembler_goal.h"
+
 namespace sinew {
 namespace {
 
@@ -19,9 +21,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 struct AssemblerSolver::Simbody {
   SimbodyModel model;
   SimTK::Assembler assembler;
-  SimTK::Markers* markers = nullptr;   // owned by the assembler
-  std::vector<SimTK::QValue*> values;  // "
-  std::vector<double> coordinate_weights;
+  SimTK::Markers* markers = nullptr;  // owned by the assembler
+  AssemblerGoal* others = nullptr;    // ", where there are other residuals
   std::vector<std::pair<int, CompiledFunction>> prescribed;
   SimTK::Array_<SimTK::Vec3> observations;
   bool started = false;
@@ -66,10 +67,9 @@ AssemblerSolver::AssemblerSolver(const MusculoskeletalModel& model, const Tracki
   markers->defineObservationOrder(order);
   s.markers = markers.release();
   s.assembler.adoptAssemblyGoal(s.markers);
-  for (const TrackedCoordinate& c : tracking.coordinates) {
-    s.values.push_back(new SimTK::QValue(s.model.mobilizer(c.coordinate),
-                                         s.model.mobilizer_q(c.coordinate), c.value));
-    s.assembler.adoptAssemblyGoal(s.values.back(), c.weight);
+  if (!tracking.coordinates.empty() || !tracking.wires.empty()) {
+    s.others = new AssemblerGoal(s.model, tracking);
+    s.assembler.adoptAssemblyGoal(s.others);
   }
 }
 
@@ -78,7 +78,7 @@ AssemblerSolver::Frame AssemblerSolver::solve(const IkTargets& targets, double t
   Simbody& s = *simbody_;
   s.observations.clear();
   for (const Eigen::Vector3d& p : targets.positions) s.observations.push_back(to_simtk(p));
-  for (std::size_t i = 0; i < s.values.size(); ++i) s.values[i]->setValue(targets.coordinates[i]);
+  if (s.others != nullptr) s.others->set_targets(targets);
   SimTK::State state = s.model.default_state();
   for (const auto& [coordinate, function] : s.prescribed) {
     q[static_cast<std::size_t>(coordinate)] = function.value(time);
@@ -217,7 +217,8 @@ Comparison compare_with_assembler(const MusculoskeletalModel& model, const Kinem
     const Eigen::VectorXd difference = (ours - row.row(0)).transpose().cwiseAbs();
     result.angle_rms += difference.cwiseAbs2();
     result.angle_max = result.angle_max.cwiseMax(difference);
-    const double excess = (out.cost - out.assembler_cost) / std::max(out.assembler_cost, noise);
+    const double theirs_or_noise = std::max(out.assembler_cost, noise);
+    const double excess = (std::max(out.cost, noise) - theirs_or_noise) / theirs_or_noise;
     if (!(excess <= result.worst_cost_excess)) result.worst_cost_excess = excess;
     out.worse = !(excess <= options.tolerance) || !summary.converged();
     result.worse_frames += out.worse ? 1 : 0;

@@ -13,13 +13,14 @@
 
 namespace sinew {
 
-/// Simbody's own Assembler on the same residuals: the second opinion on our solutions. Markers and
-/// coordinate targets with the same weights are its goals, locked coordinates are locked, clamped
-/// ones restricted; couplers and loops are constraints of the system, which it satisfies to
+/// Simbody's own Assembler on the same residuals: the second opinion on our solutions. Markers,
+/// coordinate targets and wires with the same weights are its goals, locked coordinates are locked,
+/// clamped ones restricted; couplers and loops are constraints of the system, which it satisfies to
 /// a tolerance of accuracy/10 where we eliminate couplers. All else is left at its defaults.
 class AssemblerSolver {
  public:
-  /// accuracy: Assembler::setAccuracy; 0 leaves Simbody's default, 1e-3.
+  /// accuracy: Assembler::setAccuracy; 0 leaves Simbody's default, 1e-3. Keeps a reference to
+  /// `tracking`.
   AssemblerSolver(const MusculoskeletalModel& model, const TrackingProblem& tracking,
                   double accuracy);
   ~AssemblerSolver();

@@ -39,10 +39,24 @@ void read_coordinates(const KinematicTree& tree, const std::vector<double>& q,
   }
 }
 
-// Distances of tracked markers at the poses of `ws`, and their summary.
+void measure_wires(const TrackingProblem& tracking, const KinematicWorkspace& ws, int frame,
+                   TrackingResult& result) {
+  for (std::size_t i = 0; i < tracking.wires.size(); ++i) {
+    result.wire_lengths(frame, static_cast<Eigen::Index>(i)) =
+        wire_length(tracking.problem, tracking.problem.wires[i], ws);
+  }
+  for (std::size_t i = 0; i < tracking.virtual_links.size(); ++i) {
+    result.furcations.row(frame).segment<3>(3 * static_cast<Eigen::Index>(i)) =
+        ws.X_WB[static_cast<std::size_t>(tracking.virtual_links[i])].p.transpose();
+  }
+}
+
+// Distances of tracked markers at the poses of `ws`, their summary, and the wires.
 void measure(const TrackingProblem& tracking, const IkTargets& targets,
-             const KinematicWorkspace& ws, Eigen::Ref<Eigen::RowVectorXd> errors,
-             FrameResult& frame) {
+             const KinematicWorkspace& ws, int index, TrackingResult& result) {
+  measure_wires(tracking, ws, index, result);
+  auto errors = result.marker_errors.row(index);
+  FrameResult& frame = result.frames[static_cast<std::size_t>(index)];
   double sum = 0.0;
   frame.measured_markers = 0;
   frame.marker_max = kNaN;
@@ -90,7 +104,7 @@ class FrameSolver {
     out.cost = summary.final_cost;
     out.rows = summary.rows;
     read_coordinates(tree_, q, result.coordinates.row(frame));
-    measure(tracking_, targets_, minimizer_.workspace(), result.marker_errors.row(frame), out);
+    measure(tracking_, targets_, minimizer_.workspace(), frame, result);
   }
 
  private:
@@ -116,6 +130,8 @@ TrackingResult empty_result(const MusculoskeletalModel& model, const TrackingPro
   result.time = markers.time.segment(first, frames);
   result.coordinates.resize(frames, static_cast<Eigen::Index>(model.coordinates.size()));
   result.marker_errors.resize(frames, static_cast<Eigen::Index>(tracking.markers.size()));
+  result.wire_lengths.resize(frames, static_cast<Eigen::Index>(tracking.wires.size()));
+  result.furcations.resize(frames, static_cast<Eigen::Index>(3 * tracking.virtual_links.size()));
   result.frames.resize(static_cast<std::size_t>(frames));
   return result;
 }
@@ -238,7 +254,7 @@ TrackingResult evaluate_coordinates(const MusculoskeletalModel& model, const Kin
     set_targets(tracking, markers, first_frame + frame, targets);
     FrameResult& out = result.frames[static_cast<std::size_t>(frame)];
     out.cost = cost(tree, tracking.problem, targets, ws);
-    measure(tracking, targets, ws, result.marker_errors.row(frame), out);
+    measure(tracking, targets, ws, frame, result);
   }
   return result;
 }

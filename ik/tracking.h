@@ -10,6 +10,7 @@
 #include "data/tool_setup.h"
 #include "ik/minimizer.h"
 #include "ik/residuals.h"
+#include "ik/wire_binding.h"
 #include "model/kinematic_tree.h"
 #include "model/musculoskeletal_model.h"
 
@@ -36,6 +37,8 @@ struct TrackingProblem {
   IkProblem problem;
   std::vector<TrackedMarker> markers;          // problem.positions in order
   std::vector<TrackedCoordinate> coordinates;  // problem.coordinates in order
+  std::vector<TrackedWire> wires;              // problem.wires in order
+  std::vector<int> virtual_links;              // bodies of the model
   std::vector<Warning> warnings;               // unmatched markers, tasks without effect, …
 };
 
@@ -43,12 +46,14 @@ struct BindingOptions {
   // Weight of welds and point constraints that close loops [1/m², 1/rad²]: 1e6 times a marker's,
   // which keeps loops closed to a thousandth of the marker error at most.
   double loop_weight = 1e6;
+  WireOptions wires;
 };
 
 /// Without tasks every marker that model and recording share has weight 1. With tasks, as in
 /// OpenSim, only markers that a task names are tracked. Coordinate tasks take their value from the
 /// task, from the model's default, or from `coordinate_values` (frames × coordinates of the model,
-/// NaN where there is none). Throws InputError if no marker is left to track, or if a task takes
+/// NaN where there is none). Paths become wires as BindingOptions::wires says, and virtual links
+/// are drawn to their places. Throws InputError if no marker is left to track, or if a task takes
 /// its values from a file and there is none.
 TrackingProblem bind_recording(const MusculoskeletalModel& model, const KinematicTree& tree,
                                const MarkerFile& recording, const IkTaskSet* tasks,
@@ -84,6 +89,8 @@ struct TrackingResult {
   Eigen::VectorXd time;     // frames [s]
   RowMatrix coordinates;    // frames × coordinates of the model [rad or m]
   RowMatrix marker_errors;  // frames × tracked markers [m], NaN where not measured
+  RowMatrix wire_lengths;   // frames × tracked wires [m]
+  RowMatrix furcations;     // frames × 3·virtual links: p_WV of their origins [m]
   std::vector<FrameResult> frames;
   double seconds = kNaN;  // wall time of solving
   bool stopped = false;   // `progress` asked to stop; results are not complete

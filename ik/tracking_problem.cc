@@ -39,6 +39,8 @@ class Binder {
     bind_markers();
     if (tasks_ != nullptr) bind_coordinates();
     bind_loops();
+    bind_virtual_links();
+    result_.wires = bind_wires(model_, tree_, options_.wires, result_.problem, result_.warnings);
     return std::move(result_);
   }
 
@@ -172,6 +174,21 @@ class Binder {
     for (const PointConstraint& point : model_.point_constraints) {
       result_.problem.coincidences.push_back(
           {point.body1, point.body2, point.p_B1P1, point.p_B2P2, options_.loop_weight});
+    }
+  }
+
+  void bind_virtual_links() {
+    for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
+      if (!model_.bodies[b].virtual_link) continue;
+      result_.virtual_links.push_back(static_cast<int>(b));
+      for (const int c : model_.joints[b - 1].coordinates) {
+        const auto i = static_cast<std::size_t>(c);
+        const double weight = options_.wires.virtual_link_weight;
+        if (model_.coordinates[i].locked || weight == 0.0) continue;
+        result_.problem.coordinates.push_back(
+            {tree_.q_of_coordinate[i], tree_.v_of_coordinate[i], weight});
+        result_.coordinates.push_back({c, weight, model_.coordinates[i].default_value, {}});
+      }
     }
   }
 

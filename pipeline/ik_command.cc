@@ -8,6 +8,7 @@
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
+#include "pipeline/wire_report.h"
 
 namespace sinew {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 struct IkCommand {
   std::string setup;
   IkOptions options;
-  std::string out;
+  std::string out, wire_table;
 
   int run() const {
     IkInputs inputs = options.inputs();
@@ -37,7 +38,7 @@ struct IkCommand {
     }
     InputFiles files = input_files(inputs);
     files.emplace_back("setup", setup);
-    check_outputs({output, options.trace}, files);
+    check_outputs({output, options.trace, wire_table}, files);
     IkJob job = prepare_ik(inputs);
     report(warnings, job.warnings);
     const std::optional<TrackingResult> result = solve_ik(job);
@@ -45,6 +46,9 @@ struct IkCommand {
     write_storage(output, coordinate_motion(job.model, *result));
     if (!options.trace.empty()) {
       write_file_atomically(options.trace, trace_csv(*result, job.options.first_frame));
+    }
+    if (!wire_table.empty()) {
+      write_file_atomically(wire_table, wires_csv(job.model, job.tracking, *result));
     }
     fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}\n",
                result->frames.size(), result->seconds,
@@ -65,6 +69,8 @@ void add_ik_command(CLI::App& app, int& exit_code) {
                   "take precedence over it");
   command->options.add_to(*sub);
   sub->add_option("--out", command->out, "Motion file to write (.mot), angles in degrees");
+  sub->add_option("--wire-table", command->wire_table,
+                  "Write places of virtual links and lengths, slack and strain of wires (.csv)");
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

@@ -67,9 +67,11 @@ IkJob prepare_ik(const IkInputs& inputs) {
     values = values_at(job.recording.markers.time, table);
   }
   if (inputs.tasks) append(job.warnings, inputs.tasks->warnings);
+  BindingOptions binding;
+  binding.wires = inputs.wires;
   job.tracking =
       bind_recording(job.model, job.tree, job.recording, inputs.tasks ? &*inputs.tasks : nullptr,
-                     values.size() > 0 ? &values : nullptr);
+                     values.size() > 0 ? &values : nullptr, binding);
   append(job.warnings, job.tracking.warnings);
   std::tie(job.options.first_frame, job.options.end_frame) =
       frames_within(job.recording.markers.time, inputs.range, job.recording.path, job.warnings);

@@ -35,6 +35,7 @@ struct IkInputs {
   TimeRange range;
   std::string method = "gauss-newton";
   double tolerance = MinimizerOptions{}.gradient_tolerance;
+  WireOptions wires;
   int threads = 0;
   bool record_iterations = false;  // for a trace
 };

@@ -24,6 +24,22 @@ void IkOptions::add_to(CLI::App& command) {
                   "of weights")
       ->check(more_than_zero())
       ->capture_default_str();
+  command
+      .add_option(
+          "--wires", wires,
+          "Whether muscles, tendons and ligaments may not exceed their natural length: all, "
+          "none or auto, in models with virtual links")
+      ->check(CLI::IsMember({"auto", "all", "none"}))
+      ->capture_default_str();
+  const auto weight = [&](const char* name, double& value, const char* text) {
+    command.add_option(name, value, text)->check(zero_or_more())->capture_default_str();
+  };
+  weight("--wire-penalty", wire_options.penalty, "Weight of wires against markers");
+  weight("--muscle-weight", wire_options.muscle_weight, "Of muscles among the wires");
+  weight("--tendon-weight", wire_options.tendon_weight, "Of tendons among the wires");
+  weight("--ligament-weight", wire_options.ligament_weight, "Of ligaments among the wires");
+  weight("--virtual-link-weight", wire_options.virtual_link_weight,
+         "Draws virtual links to their places where wires leave them free");
   command.add_option("--trace", trace, "Write cost, gradient and step of every iteration (.csv)");
   command
       .add_option("--threads", threads, "Threads to use, 0 for all; results do not depend on it")
@@ -43,6 +59,10 @@ IkInputs IkOptions::inputs() const {
   inputs.range.to = to;
   inputs.method = method;
   inputs.tolerance = tolerance;
+  inputs.wires = wire_options;
+  inputs.wires.use = wires == "all"    ? WireOptions::Use::kAll
+                     : wires == "none" ? WireOptions::Use::kNone
+                                       : WireOptions::Use::kAuto;
   inputs.threads = threads;
   inputs.record_iterations = !trace.empty();
   return inputs;

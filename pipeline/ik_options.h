@@ -15,6 +15,8 @@ struct IkOptions {
   std::optional<double> from, to;
   std::string method = IkInputs{}.method;
   double tolerance = IkInputs{}.tolerance;
+  std::string wires = "auto";
+  WireOptions wire_options;
   int threads = 0;
 
   void add_to(CLI::App& command);

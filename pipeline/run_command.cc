@@ -15,12 +15,14 @@
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
 #include "pipeline/version.h"
+#include "pipeline/wire_report.h"
 
 namespace sinew {
 namespace {
 
 constexpr const char* kResults[] = {"ik.mot", "id.sto", "marker_errors.csv", "frame_errors.csv",
                                     "summary.json"};
+constexpr const char* kWires = "wires.csv";  // of models with wires
 
 struct RunCommand {
   IkOptions ik;
@@ -77,6 +79,7 @@ struct RunCommand {
 
     summary["options"] = option_summary(job, id_job, *solved);
     summary["inverse_kinematics"] = ik_summary(job.tracking, *solved, job.options);
+    if (!job.tracking.wires.empty()) summary["wires"] = wire_summary(job.tracking, *solved);
     summary["inverse_dynamics"] = id_summary(job.model, torques->forces);
     summary["inverse_dynamics"]["seconds"] = seconds_since(id_start);
     summary["warnings"] = warning_summary(warnings);
@@ -90,6 +93,7 @@ struct RunCommand {
     if (out.empty()) throw std::invalid_argument("--out is empty: give --out FOLDER");
     std::vector<std::filesystem::path> outputs = {ik.trace};
     for (const char* name : kResults) outputs.push_back(std::filesystem::path(out) / name);
+    outputs.push_back(std::filesystem::path(out) / kWires);
     check_outputs(outputs, inputs);
   }
 
@@ -122,6 +126,9 @@ struct RunCommand {
     write_file_atomically(folder / "marker_errors.csv",
                           marker_errors_csv(marker_errors(job.tracking, solved)));
     write_file_atomically(folder / "frame_errors.csv", frame_errors_csv(job.tracking, solved));
+    if (!job.tracking.wires.empty()) {
+      write_file_atomically(folder / kWires, wires_csv(job.model, job.tracking, solved));
+    }
     write_file_atomically(folder / "summary.json", summary.dump(2) + "\n");
     if (!ik.trace.empty()) {
       write_file_atomically(ik.trace, trace_csv(solved, job.options.first_frame));
@@ -139,12 +146,23 @@ struct RunCommand {
                  kinematics["worst_marker"]["name"].get<std::string>(),
                  1e3 * kinematics["worst_marker"]["rms_m"].get<double>());
     }
+    if (summary.contains("wires")) {
+      const auto& wires = summary["wires"];
+      fmt::print("\nwires: {}, of which {} become taut", wires["wires"].get<int>(),
+                 wires["ever_taut"].get<int>());
+      if (wires.contains("most_strained")) {
+        fmt::print("; the most strained by {:.2g} %: {}",
+                   100.0 * wires["most_strained"]["strain"].get<double>(),
+                   wires["most_strained"]["wire"].get<std::string>());
+      }
+    }
     fmt::print("\ninverse dynamics: coordinates {}; residuals at the root:\n", filter_text(cutoff));
     for (const auto& r : summary["inverse_dynamics"]["root_residuals"]) {
       fmt::print("  {:<28} RMS {:8.2f} max {:8.2f} {}\n", r["column"].get<std::string>(),
                  r["rms"].get<double>(), r["max"].get<double>(), r["unit"].get<std::string>());
     }
-    fmt::print("results: {}/{}\n", out, fmt::join(kResults, ", "));
+    fmt::print("results: {}/{}{}{}\n", out, fmt::join(kResults, ", "),
+               summary.contains("wires") ? ", " : "", summary.contains("wires") ? kWires : "");
   }
 };
 
