@@ -20,11 +20,13 @@ double C3dFile::start_time() const {
   return layout.rate > 0.0 ? before / layout.rate : 0.0;
 }
 
-C3dFile read_c3d(const std::filesystem::path& path) {
+C3dFile read_c3d(const std::filesystem::path& path, std::int64_t max_frames) {
   C3dReader reader(path);
   C3dFrames frames;
-  const int count = reader.read(std::numeric_limits<int>::max(), frames);
+  const auto limit = std::min<std::int64_t>(max_frames, std::numeric_limits<int>::max());
+  const int count = reader.read(static_cast<int>(limit), frames);
   C3dFile file = reader.description();
+  file.layout.frames = count;
   file.quality = std::move(frames.quality);
   file.computed.values = std::move(frames.computed);
   file.analog.values = std::move(frames.analog);

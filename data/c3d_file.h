@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -111,8 +112,10 @@ struct C3dFile {
 
 /// Reads a whole C3D file: DEC, Intel or SGI/MIPS numbers, reals or integers. See C3dReader for
 /// files that shall not lie in memory at once, and for the errors.
+/// With `max_frames` only as many from the beginning, as if the file ended there.
 /// O(bytes) in time; about four times the file's size in memory.
-C3dFile read_c3d(const std::filesystem::path& path);
+C3dFile read_c3d(const std::filesystem::path& path,
+                 std::int64_t max_frames = std::numeric_limits<std::int64_t>::max());
 
 /// The rotation from the laboratory to axes with y up and x to the right of the screen, as
 /// OpenSim's models stand: multiply positions from the left. Nothing if the file does not say.

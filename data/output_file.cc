@@ -8,6 +8,7 @@
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "data/input_error.h"
 
@@ -64,46 +65,71 @@ class OpenFile {
   bool owned_ = false;
 };
 
-// Devices and pipes are written to: renaming would replace them by a file.
-void write_in_place(const fs::path& path, std::string_view content) {
-  OpenFile file(path, 0);
-  if (!file.is_open()) fail(path, "cannot open the output", errno);
-  int error = file.write(content);
-  if (error == 0) error = file.close();
-  if (error != 0) fail(path, "cannot write the output", error);
-}
-
-void replace(const fs::path& target, std::string_view content) {
-  // The name does not build on the target's, which may already be as long as names can be.
+// The name does not build on the target's, which may already be as long as names can be.
+std::unique_ptr<OpenFile> open_beside(const fs::path& target) {
   for (int attempt = 0;; ++attempt) {
-    OpenFile file(target.parent_path() / fmt::format(".sinew-{}-{}.tmp", ::getpid(), attempt),
-                  O_CREAT | O_EXCL);
-    if (!file.is_open() && errno == EEXIST) continue;
-    if (!file.is_open()) fail(target, "cannot make a temporary file beside the output", errno);
-    int error = file.write(content);
-    if (error == 0) error = file.close();
-    if (error != 0) fail(target, "cannot write the output", error);
-    if (::rename(file.path().c_str(), target.c_str()) != 0) {
-      fail(target, "cannot put the output in its place", errno);
-    }
-    file.keep();
-    return;
+    auto file = std::make_unique<OpenFile>(
+        target.parent_path() / fmt::format(".sinew-{}-{}.tmp", ::getpid(), attempt),
+        O_CREAT | O_EXCL);
+    if (file->is_open()) return file;
+    if (errno != EEXIST) fail(target, "cannot make a temporary file beside the output", errno);
   }
 }
 
 }  // namespace
 
+class OutputFile::Implementation {
+ public:
+  explicit Implementation(const fs::path& path) {
+    std::error_code error;
+    target_ = fs::weakly_canonical(fs::absolute(path, error), error);
+    if (path.empty()) error = std::make_error_code(std::errc::invalid_argument);
+    if (error) fail(path, "cannot resolve the output's path", error.value());
+    const fs::file_status status = fs::status(target_, error);
+    if (fs::is_directory(status)) fail(path, "the output's path is a folder", EISDIR);
+    // Devices and pipes are written to: renaming would replace them by a file.
+    in_place_ = fs::exists(status) && !fs::is_regular_file(status);
+    if (in_place_) {
+      file_ = std::make_unique<OpenFile>(target_, 0);
+      if (!file_->is_open()) fail(target_, "cannot open the output", errno);
+      return;
+    }
+    fs::create_directories(target_.parent_path(), error);
+    if (error) fail(path, "cannot make the output's folder", error.value());
+    file_ = open_beside(target_);
+  }
+
+  void append(std::string_view content) {
+    if (const int error = file_->write(content)) fail(target_, "cannot write the output", error);
+  }
+
+  void commit() {
+    if (const int error = file_->close()) fail(target_, "cannot write the output", error);
+    if (in_place_) return;
+    if (::rename(file_->path().c_str(), target_.c_str()) != 0) {
+      fail(target_, "cannot put the output in its place", errno);
+    }
+    file_->keep();
+  }
+
+ private:
+  fs::path target_;
+  bool in_place_ = false;
+  std::unique_ptr<OpenFile> file_;
+};
+
+OutputFile::OutputFile(const fs::path& path)
+    : implementation_(std::make_unique<Implementation>(path)) {}
+OutputFile::~OutputFile() = default;
+OutputFile::OutputFile(OutputFile&&) noexcept = default;
+
+void OutputFile::append(std::string_view content) { implementation_->append(content); }
+void OutputFile::commit() { implementation_->commit(); }
+
 void write_file_atomically(const fs::path& path, std::string_view content) {
-  std::error_code error;
-  const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-  if (path.empty()) error = std::make_error_code(std::errc::invalid_argument);
-  if (error) fail(path, "cannot resolve the output's path", error.value());
-  const fs::file_status status = fs::status(target, error);
-  if (fs::is_directory(status)) fail(path, "the output's path is a folder", EISDIR);
-  if (fs::exists(status) && !fs::is_regular_file(status)) return write_in_place(target, content);
-  fs::create_directories(target.parent_path(), error);
-  if (error) fail(path, "cannot make the output's folder", error.value());
-  replace(target, content);
+  OutputFile file(path);
+  file.append(content);
+  file.commit();
 }
 
 }  // namespace sinew

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -191,19 +192,23 @@ void warn_of_header(const Header& header, MarkerFile& file) {
   }
 }
 
-void check_writable(const std::string& path, const MarkerTrajectories& markers) {
+void check_sizes(const std::string& path, const MarkerTrajectories& markers) {
   const Eigen::Index frames = markers.time.size();
   const auto columns = static_cast<Eigen::Index>(3 * markers.names.size());
-  if (markers.p_WM.rows() != frames || markers.p_WM.cols() != columns ||
-      static_cast<Eigen::Index>(markers.frame_numbers.size()) != frames) {
-    fail(path, 0,
-         {"write_trc got trajectories whose sizes disagree",
-          fmt::format("{} frames, {} × {} positions", frames, frames, columns),
-          fmt::format("{} frame numbers, {} × {} positions", markers.frame_numbers.size(),
-                      markers.p_WM.rows(), markers.p_WM.cols()),
-          ""});
+  if (markers.p_WM.rows() == frames && markers.p_WM.cols() == columns &&
+      static_cast<Eigen::Index>(markers.frame_numbers.size()) == frames) {
+    return;
   }
-  for (const std::string& name : markers.names) {
+  fail(path, 0,
+       {"write_trc got trajectories whose sizes disagree",
+        fmt::format("{} frames, {} × {} positions", frames, frames, columns),
+        fmt::format("{} frame numbers, {} × {} positions", markers.frame_numbers.size(),
+                    markers.p_WM.rows(), markers.p_WM.cols()),
+        ""});
+}
+
+void check_names(const std::string& path, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
     if (!text::trim(name).empty() && name.find_first_of("\t\r\n") == name.npos) continue;
     fail(path, 0,
          {"write_trc cannot write this marker name", "a name without tabs and line breaks", name,
@@ -211,22 +216,76 @@ void check_writable(const std::string& path, const MarkerTrajectories& markers) 
   }
 }
 
-std::string format_header(const std::string& file_name, const MarkerTrajectories& markers) {
-  const std::string rate = text::format_number(markers.rate);
-  const int first = markers.frame_numbers.empty() ? 1 : markers.frame_numbers.front();
+std::string format_header(const std::string& file_name, const TrcWriter::Header& header) {
+  const std::string rate = text::format_number(header.rate);
   std::string out = fmt::format("PathFileType\t4\t(X/Y/Z)\t{}\n", file_name);
   out +=
       "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\t"
       "OrigNumFrames\n";
-  out += fmt::format("{0}\t{0}\t{1}\t{2}\tmm\t{0}\t{3}\t{1}\nFrame#\tTime", rate,
-                     markers.frame_count(), markers.marker_count(), first);
-  for (const std::string& name : markers.names) out += "\t" + name + "\t\t";
+  out += fmt::format("{0}\t{0}\t{1}\t{2}\tmm\t{0}\t{3}\t{1}\nFrame#\tTime", rate, header.frames,
+                     header.names.size(), header.first_frame);
+  for (const std::string& name : header.names) out += "\t" + name + "\t\t";
   out += "\n\t";
-  for (int i = 1; i <= markers.marker_count(); ++i) out += fmt::format("\tX{0}\tY{0}\tZ{0}", i);
+  for (std::size_t i = 1; i <= header.names.size(); ++i) {
+    out += fmt::format("\tX{0}\tY{0}\tZ{0}", i);
+  }
   return out + "\n\n";
 }
 
+// The shortest decimal that is this number of millimetres in 32 bits.
+void append_single(std::string& out, double metres) {
+  std::array<char, 64> buffer;  // -3.4e38 without exponent is 40 long
+  const auto millimetres = static_cast<float>(1e3 * metres);
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), millimetres,
+                                          std::chars_format::fixed);
+  out.append(buffer.data(), end);
+}
+
+// Blocks that are large enough for the system's calls to cost nothing.
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+
 }  // namespace
+
+TrcWriter::TrcWriter(const std::filesystem::path& path, const Header& header,
+                     TrcPrecision precision)
+    : path_(path.string()),
+      coordinates_(3 * header.names.size()),
+      frames_(header.frames),
+      precision_(precision),
+      file_((check_names(path.string(), header.names), path)),
+      buffer_(format_header(path.filename().string(), header)) {}
+
+void TrcWriter::append(std::int64_t frame_number, double time, const double* p_WM) {
+  buffer_ += std::to_string(frame_number);
+  buffer_ += '\t';
+  buffer_ += text::format_number(time);
+  for (std::size_t i = 0; i < coordinates_; ++i) {
+    buffer_ += '\t';
+    if (std::isnan(p_WM[i])) continue;
+    if (precision_ == TrcPrecision::kSingle) {
+      append_single(buffer_, p_WM[i]);
+    } else {
+      buffer_ += text::format_number(p_WM[i], 3);
+    }
+  }
+  // OpenSim counts a blank cell at the end of a row only if a tab follows it.
+  if (buffer_.back() == '\t') buffer_ += '\t';
+  buffer_ += '\n';
+  ++written_;
+  if (buffer_.size() < kBlockBytes) return;
+  file_.append(buffer_);
+  buffer_.clear();
+}
+
+void TrcWriter::finish() {
+  if (written_ != frames_) {
+    fail(path_, 0,
+         {"TrcWriter got another number of frames than its header says",
+          fmt::format("{} frames", frames_), fmt::format("{}", written_), ""});
+  }
+  file_.append(buffer_);
+  file_.commit();
+}
 
 MarkerFile read_trc(const std::filesystem::path& path) {
   const std::string content = text::read_text_file(path, "a TRC file");
@@ -247,20 +306,14 @@ MarkerFile read_trc(const std::filesystem::path& path) {
 }
 
 void write_trc(const std::filesystem::path& path, const MarkerTrajectories& markers) {
-  check_writable(path.string(), markers);
-  std::string out = format_header(path.filename().string(), markers);
+  check_sizes(path.string(), markers);
+  const int first = markers.frame_numbers.empty() ? 1 : markers.frame_numbers.front();
+  TrcWriter writer(path, {markers.names, markers.rate, markers.frame_count(), first});
   for (Eigen::Index row = 0; row < markers.p_WM.rows(); ++row) {
-    out += fmt::format("{}\t{}", markers.frame_numbers[static_cast<std::size_t>(row)],
-                       text::format_number(markers.time[row]));
-    for (const double coordinate : markers.p_WM.row(row)) {
-      out += '\t';
-      if (!std::isnan(coordinate)) out += text::format_number(coordinate, 3);
-    }
-    // OpenSim counts a blank cell at the end of a row only if a tab follows it.
-    if (out.back() == '\t') out += '\t';
-    out += '\n';
+    writer.append(markers.frame_numbers[static_cast<std::size_t>(row)], markers.time[row],
+                  markers.p_WM.row(row).data());
   }
-  write_file_atomically(path, out);
+  writer.finish();
 }
 
 }  // namespace sinew

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "data/marker_trajectories.h"
+#include "data/output_file.h"
 
 namespace sinew {
 
@@ -23,5 +28,40 @@ MarkerFile read_trc(const std::filesystem::path& path);
 /// the file again gives the same bits. Throws InputError if the file cannot be written or if sizes
 /// or names make no table.
 void write_trc(const std::filesystem::path& path, const MarkerTrajectories& markers);
+
+/// How exactly positions are printed.
+enum class TrcPrecision {
+  kDouble,  // reading gives the same bits
+  kSingle,  // reading, rounded to 32 bits in mm, gives the same: all that a C3D file holds
+};
+
+/// Writes a TRC file block by block: memory does not depend on the number of frames. What `finish`
+/// has not completed is removed.
+class TrcWriter {
+ public:
+  struct Header {
+    std::vector<std::string> names;
+    double rate = 0.0;  // [Hz]
+    std::int64_t frames = 0, first_frame = 1;
+  };
+
+  /// Throws InputError as write_trc does.
+  TrcWriter(const std::filesystem::path& path, const Header& header,
+            TrcPrecision precision = TrcPrecision::kDouble);
+
+  /// One frame: x, y, z of each marker [m]; NaN = not measured.
+  void append(std::int64_t frame_number, double time, const double* p_WM);
+  /// Throws InputError if the header promised another number of frames.
+  void finish();
+
+ private:
+  std::string path_;
+  const std::size_t coordinates_;
+  const std::int64_t frames_;
+  const TrcPrecision precision_;
+  std::int64_t written_ = 0;
+  OutputFile file_;
+  std::string buffer_;
+};
 
 }  // namespace sinew
