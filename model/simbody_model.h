@@ -15,6 +15,12 @@ namespace sinew {
 /// FunctionBased), with Euler angles for kBall and kFree so that q is what the file calls it.
 /// Immutable after construction; every caller keeps States of its own. Couplers, locks and clamps
 /// are not part of the system by default: the IK eliminates them and inverse dynamics ignores them.
+///
+/// Massless bodies, such as virtual links, are in the system as they are, with mass 0 and inertia
+/// 0. Positions, velocities, Jacobians and inverse dynamics are exact: such a body asks for no
+/// force of its own and changes nobody else's. Forward dynamics is not: on a free joint no
+/// acceleration follows from a force on nothing, the articulated inertia cannot be inverted and
+/// Simbody throws. Realize no further than Stage::Dynamics.
 class SimbodyModel {
  public:
   struct Options {

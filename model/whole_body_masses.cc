@@ -156,10 +156,11 @@ class MassReader {
     }
     const bool good = rest != nullptr ? sum < 1.0 : std::abs(sum - 1.0) <= kShareTolerance;
     if (!good) {
-      place_row.fail("segment",
-                     rest != nullptr ? "shares in model/whole_body/bones.csv below 1 in sum"
-                                     : "shares in model/whole_body/bones.csv that add up to 1",
-                     fmt::format("{} for {}", sum, segment.name), "Correct the shares.");
+      const TableRow& row = segment.shares.empty() ? place_row : *segment.shares[0].row;
+      row.fail("segment",
+               rest != nullptr ? "shares in model/whole_body/bones.csv below 1 in sum"
+                               : "shares in model/whole_body/bones.csv that add up to 1",
+               fmt::format("{:.9g} for {}", sum, segment.name), "Correct the shares.");
     }
     rest != nullptr ? leave_rest(segment, *rest) : spread(segment, sum);
   }

@@ -30,8 +30,12 @@ class JointReader {
     }
     joint_.child = static_cast<int>(model_.bodies.size());
     joint_.X_PF.p = scale_ * sided(row_.place());
+    const std::string name = named(row_.text("bone"));
+    if (model_.find_body(name) >= 0) {
+      row_.fail("bone", "a name that is not taken", name, "Rename one of the bones.");
+    }
     Body& body = model_.bodies.emplace_back();
-    body.name = named(row_.text("bone"));
+    body.name = name;
     body.source = row_.at();
     read_coordinates();
     read_coupling();
