@@ -500,6 +500,36 @@ TEST(WholeBody, HoldsEveryVirtualLinkByThreeWires) {
   }
 }
 
+// The bone that a point belongs to: its body, or what its virtual link hangs from.
+int bone_of(const MusculoskeletalModel& model, int body) {
+  while (model.bodies[static_cast<std::size_t>(body)].virtual_link) {
+    body = model.joints[static_cast<std::size_t>(body) - 1].parent;
+  }
+  return body;
+}
+
+// A virtual link hangs from the bone that most of its wires touch next.
+TEST(WholeBody, HangsVirtualLinksFromTheBoneOfMostWires) {
+  const MusculoskeletalModel model = whole_body({});
+  std::map<int, std::map<int, int>> touches;  // virtual link → bone → wires
+  for (const PathElement& path : model.paths) {
+    for (std::size_t i = 0; i < path.points.size(); ++i) {
+      const int body = path.points[i].body;
+      if (!model.bodies[static_cast<std::size_t>(body)].virtual_link) continue;
+      const std::size_t next = i == 0 ? 1 : i - 1;
+      ++touches[body][bone_of(model, path.points[next].body)];
+    }
+  }
+  for (auto& [link, bones] : touches) {
+    const Body& body = model.bodies[static_cast<std::size_t>(link)];
+    if (body.source.file != "model/whole_body/virtual_links_leg.csv") continue;
+    int most = 0;
+    for (const auto& [bone, wires] : bones) most = std::max(most, wires);
+    const int parent = bone_of(model, link);
+    EXPECT_EQ(bones[parent], most) << body.name;
+  }
+}
+
 // Markers of the embedded walk stand where they stand there; there are more of them, on every
 // segment.
 TEST(WholeBody, WearsTheMarkersOfTheEmbeddedWalk) {
