@@ -37,9 +37,13 @@ bool letter_is_side(std::string_view name) {
 }
 
 MarkerPlace place_of(std::string_view lower) {
+  while (!lower.empty() && std::string_view("._- ").find(lower.front()) != lower.npos) {
+    lower.remove_prefix(1);
+  }
+  if (lower == "to") return MarkerPlace::kFoot;  // R.TOE in systems of four letters
   // Feet before legs: "ankle" and "mal" are as low as heels, to 10 cm.
-  if (contains_one(lower, {"hee", "toe", "cal", "mt1", "mt2", "mt5", "mtp", "mal", "ank", "foot",
-                           "midfoot", "hlx"})) {
+  if (contains_one(lower, {"hee", "toe", "cal", "mt1", "mt2", "mt5", "mtp", "met", "mal", "ank",
+                           "foot", "midfoot", "hlx"})) {
     return MarkerPlace::kFoot;
   }
   if (contains_one(lower, {"hd", "head", "vertex"})) return MarkerPlace::kHead;

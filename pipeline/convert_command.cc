@@ -15,7 +15,9 @@
 #include "data/storage_file.h"
 #include "data/text.h"
 #include "data/trc_file.h"
+#include "model/osim_file.h"
 #include "pipeline/command.h"
+#include "pipeline/ground_reaction.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/laboratory.h"
 #include "pipeline/option_checks.h"
@@ -34,7 +36,8 @@ constexpr int kBlockFrames = 256;
 
 struct ConvertCommand {
   std::vector<std::string> inputs;
-  std::string out, format, what;
+  std::string out, format, what, loads, model;
+  std::vector<std::string> assign;
   std::optional<double> from, to;
   bool integers = false;
   PrepareOptions prepare;
@@ -45,7 +48,11 @@ struct ConvertCommand {
     InputFiles files;
     for (const std::string& input : inputs) files.emplace_back("input", input);
     files.emplace_back("segments", prepare.segments_from);
-    if (inputs.size() == 1 && format.empty()) {
+    if (!loads.empty() || !assign.empty()) {
+      files.emplace_back("model", model);
+      check_outputs({out, loads, contacts_path(out)}, files);
+      assign_loads();
+    } else if (inputs.size() == 1 && format.empty()) {
       check_outputs({out, filled_path(out)}, files);
       convert(inputs.front(), out);
     } else if (format.empty() && format_of(out) == Format::kC3d) {
@@ -225,6 +232,43 @@ struct ConvertCommand {
     write_table(output, cropped(table, file.path));
   }
 
+  // Which foot stands where, and the loads of each foot for inverse dynamics.
+  void assign_loads() {
+    const bool to_motion = inputs.size() == 1 && format_of(inputs.front()) == Format::kC3d &&
+                           format.empty() &&
+                           (format_of(out) == Format::kMot || format_of(out) == Format::kSto);
+    if (!to_motion || loads.empty()) {
+      throw std::invalid_argument(
+          "feet are assigned to the platforms of one C3D file: give FILE.c3d --out GRF.mot --loads "
+          "GRF.xml");
+    }
+    const std::vector<AssignmentOverride> overrides = parse_overrides(assign);
+    const C3dFile file = read_c3d(inputs.front());
+    report(warnings, file.warnings);
+    ForcePlatforms platforms = compute_forces(file, {.threshold = prepare.threshold});
+    report(warnings, platforms.warnings);
+    require_c3d_part(file, !force_table(platforms.recordings).labels.empty(),
+                     "force platform that can be used");
+    const Turn turn = turn_of(file, platforms.recordings);
+    MarkerTrajectories markers = file.markers;
+    rotate_vectors(turn.R_MW, markers.p_WM);
+    std::optional<MusculoskeletalModel> description;
+    if (!model.empty()) description = read_osim(model);
+    for (ForcePlatformRecording& plate : platforms.recordings) {
+      rotate(plate, turn.R_MW);
+      sinew::condition(plate, {prepare.force_cutoff, prepare.rate, prepare.threshold});
+    }
+    const FootAssignment assignment =
+        assign_feet(markers, feet_of(markers, file.path, description ? &*description : nullptr),
+                    platforms.recordings, prepare.threshold, overrides);
+    for (const PlateContact& contact : assignment.contacts) {
+      fmt::print("{}: {}\n", file.path, describe(contact, assignment, platforms.recordings));
+    }
+    const TimeTable table = cropped(foot_loads(assignment, platforms.recordings), file.path);
+    write_ground_reactions(assignment, platforms.recordings, table, out, loads);
+    fmt::print("{}, {}, {}\n", out, loads, contacts_path(out).string());
+  }
+
   TimeTable analog_table(const C3dFile& file) {
     require_c3d_part(file, file.analog.channel_count() > 0, "analog channels");
     TimeTable table;
@@ -394,6 +438,17 @@ void add_convert_command(CLI::App& app, int& exit_code) {
                   "Part of a C3D file: markers (of .trc and .csv unless given), forces (of .mot), "
                   "analog (of .sto), computed")
       ->check(CLI::IsMember({"markers", "forces", "analog", "computed"}));
+  sub->add_option("--loads", command->loads,
+                  "Assign feet to a C3D file's platforms: --out gets the feet's loads (.mot), this "
+                  "file the ExternalLoads (.xml) that `sinew id` and OpenSim read");
+  sub->add_option("--assign", command->assign,
+                  "Say which foot stands on a platform: PLATE:FOOT or PLATE:FOOT@FROM-TO, FOOT "
+                  "right, left or none; may be repeated")
+      ->allow_extra_args(false);
+  sub->add_option(
+      "--model", command->model,
+      "Model (.osim) whose foot markers and bodies the loads are for; without, names of "
+      "markers tell, and the bodies are calcn_r and calcn_l");
   sub->add_option("--from", command->from, "First time to write [s]")->check(a_time());
   sub->add_option("--to", command->to, "Last time to write [s]")->check(a_time());
   sub->add_flag("--integers", command->integers, "Write C3D numbers as 16-bit integers");

@@ -2,6 +2,7 @@
 
 #include "data/c3d_file.h"
 #include "data/c3d_writer.h"
+#include "data/tool_setup.h"
 #include "data/trc_file.h"
 #include "tests/pipeline/command_line.h"
 #include "tests/pipeline/small_trial.h"
@@ -268,6 +269,52 @@ TEST_F(Convert, ForcesOfWalking2AreThePublishedOnesTurned) {
     }
   }
   EXPECT_GT(loaded, 20);
+}
+
+// The left foot of this trial steps beside the second platform with its heel, 16 cm from its edge:
+// corners at 0 and 609.6 mm along the way, the heel at -160 mm.
+TEST_F(Convert, FeetOfWalking2AreAssigned) {
+  if (!fs::exists(walking2())) GTEST_SKIP() << "needs " << walking2();
+  const Outcome outcome = convert({walking2(), "--out", "grf.mot", "--loads", "grf.xml"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find(": platform 1, 2.67 s to 3.24 s: right foot (94 % sure)\n"),
+            std::string::npos)
+      << outcome.out;
+  EXPECT_NE(
+      outcome.out.find(": platform 2, 2.25 s to 2.75 s: unusable: the foot reaches 16 cm over "
+                       "its edge, where nothing measures the force\n"),
+      std::string::npos)
+      << outcome.out;
+  const ExternalLoadsSetup loads = read_external_loads(path_ / "grf.xml");
+  ASSERT_EQ(loads.forces.size(), 2u);
+  EXPECT_EQ(loads.forces[0].applied_to_body, "calcn_r");
+  const TimeTable table = read_storage(loads.data_file).table;
+  EXPECT_NEAR(table.values.col(table.find_column("right_force_vy")).maxCoeff(), 951.0, 0.1);
+  EXPECT_EQ(table.values.col(table.find_column("left_force_vy")).maxCoeff(), 0.0);
+  const auto rows = csv_rows(path_ / "grf_contacts.csv");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[2][5], "unusable");
+  expect_done({walking2(), "--out", "said.mot", "--loads", "said.xml", "--assign", "2:left"});
+  const TimeTable said = read_storage(path_ / "said.mot").table;
+  EXPECT_NEAR(said.values.col(said.find_column("left_force_vy")).maxCoeff(), 747.0, 0.5);
+}
+
+TEST_F(Convert, SaysWhatCannotBeAssigned) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"walk.trc", "--out", "g.mot", "--loads", "g.xml"},
+       "feet are assigned to the platforms of one C3D file: give FILE.c3d --out GRF.mot --loads "
+       "GRF.xml"},
+      {{"a.c3d", "--out", "g.mot", "--loads", "g.xml", "--assign", "right"},
+       "--assign right is not PLATE:FOOT or PLATE:FOOT@FROM-TO, such as 1:right or 2:none@0.5-1.2"},
+      {{"a.c3d", "--out", "g.mot", "--loads", "g.xml"},
+       "a.c3d: has no force platform that can be used. Choose another part with --what, or another "
+       "file."}};
+  expect_done({"walk.trc", "grf.mot", "--out", "a.c3d"});
+  for (const auto& [arguments, message] : cases) {
+    const Outcome outcome = convert(arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(error_line(outcome, path_), message);
+  }
 }
 
 }  // namespace
