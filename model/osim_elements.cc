@@ -5,6 +5,12 @@
 #include "data/text.h"
 
 namespace sinew::osim {
+namespace {
+
+// OpenSim's ComponentPath refuses these in names.
+constexpr const char* kRefused = "\\/*+ \t\n\r";
+
+}  // namespace
 
 pugi::xml_node append_object(pugi::xml_node parent, const std::string& class_name,
                              const std::string& name) {
@@ -67,10 +73,16 @@ std::string coordinate_path(const MusculoskeletalModel& model, int coordinate) {
                      name_in_joint(model, coordinate));
 }
 
+std::string component_name(std::string name) {
+  for (std::size_t i = name.find_first_of(kRefused); i != std::string::npos;
+       i = name.find_first_of(kRefused, i)) {
+    name[i] = '_';
+  }
+  return name;
+}
+
 void require_component_name(const std::string& what, const std::string& name,
                             const SourceLocation& source) {
-  // OpenSim's ComponentPath refuses these in names.
-  constexpr const char* kRefused = "\\/*+ \t\n\r";
   if (!name.empty() && name.find_first_of(kRefused) == std::string::npos) return;
   throw InputError(source.file.empty() ? SourceLocation{"model"} : source,
                    {fmt::format("the name of {} cannot stand in an .osim file", what),

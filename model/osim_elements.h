@@ -36,6 +36,9 @@ std::string coordinate_path(const MusculoskeletalModel& model, int coordinate);
 /// A coordinate's name within its joint: readers put `joint/` before a name that is not unique.
 std::string name_in_joint(const MusculoskeletalModel& model, int coordinate);
 
+/// `name` with an underscore for every character that OpenSim refuses.
+std::string component_name(std::string name);
+
 /// Throws InputError if OpenSim would refuse `name` for a component.
 void require_component_name(const std::string& what, const std::string& name,
                             const SourceLocation& source);

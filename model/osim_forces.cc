@@ -125,10 +125,11 @@ void read_path(Reader& reader, pugi::xml_node node, pugi::xml_node path) {
   reader.model.paths.push_back(std::move(element));
 }
 
-// A body without mass that only paths hold is a furcation: nothing else could carry it.
+// A body that has no weight and that only paths hold is a furcation.
 bool is_virtual_link(const MusculoskeletalModel& model, int b) {
   const Body& body = model.bodies[static_cast<std::size_t>(b)];
-  if (body.mass != 0.0 || !body.I_BCm.isZero(0.0)) return false;
+  const double heaviest = std::max(body.I_BCm(0, 0), std::max(body.I_BCm(1, 1), body.I_BCm(2, 2)));
+  if (body.mass > kVirtualLinkMass || heaviest > kVirtualLinkInertia) return false;
   if (model.joints[static_cast<std::size_t>(b) - 1].kind != Joint::Kind::kFree) return false;
   const auto hangs_on_it = [b](const Joint& joint) { return joint.parent == b; };
   if (std::any_of(model.joints.begin(), model.joints.end(), hangs_on_it)) return false;
@@ -152,7 +153,10 @@ bool acts_without_command(std::string_view class_name) {
 
 void mark_virtual_links(MusculoskeletalModel& model) {
   for (std::size_t b = 1; b < model.bodies.size(); ++b) {
-    model.bodies[b].virtual_link = is_virtual_link(model, static_cast<int>(b));
+    if (!is_virtual_link(model, static_cast<int>(b))) continue;
+    model.bodies[b].virtual_link = true;
+    model.bodies[b].mass = 0.0;
+    model.bodies[b].I_BCm.setZero();
   }
 }
 

@@ -91,8 +91,13 @@ void read_joints(Reader& reader);
 void read_constraints(Reader& reader);
 void read_markers(Reader& reader);
 void read_forces(Reader& reader);
-/// Sets Body::virtual_link of massless bodies on a free joint that carry no other body and on which
-/// a path ends. Needs the paths.
+/// OpenSim refuses a body without mass that carries no other, so a virtual link is written with a
+/// milligram, a thousandth of the lightest bone, and the inertia of a drop of 1 cm.
+constexpr double kVirtualLinkMass = 1e-6;      // [kg]
+constexpr double kVirtualLinkInertia = 1e-10;  // [kg m²]
+
+/// Makes virtual links of bodies of no more than that mass that hang on a free joint, carry no
+/// other body and have a path end on them. Needs the paths.
 void mark_virtual_links(MusculoskeletalModel& model);
 
 /// What an element of this class with a path is to Sinew.

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <pugixml.hpp>
 #include <sstream>
 
 #include "model/osim_elements.h"
+#include "model/osim_reader.h"
 
 namespace sinew {
 namespace osim {
@@ -20,9 +23,11 @@ void append_bodies(pugi::xml_node model_node, const MusculoskeletalModel& model)
     const Body& body = model.bodies[b];
     require_component_name("a body", body.name, body.source);
     pugi::xml_node node = append_object(set, "Body", body.name);
-    append_number(node, "mass", body.mass);
+    append_number(node, "mass", body.virtual_link ? kVirtualLinkMass : body.mass);
     append_vector(node, "mass_center", body.p_BCm);
-    const Eigen::Matrix3d& I = body.I_BCm;
+    const Eigen::Matrix3d I =
+        body.virtual_link ? Eigen::Matrix3d(kVirtualLinkInertia * Eigen::Matrix3d::Identity())
+                          : body.I_BCm;
     const double inertia[] = {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
     append_numbers(node, "inertia", inertia);
   }
@@ -89,7 +94,7 @@ std::string write_osim(const MusculoskeletalModel& model) {
   declaration.append_attribute("encoding").set_value("UTF-8");
   pugi::xml_node root = document.append_child("OpenSimDocument");
   root.append_attribute("Version").set_value(osim::kDocumentVersion);
-  pugi::xml_node node = osim::append_object(root, "Model", model.name);
+  pugi::xml_node node = osim::append_object(root, "Model", osim::component_name(model.name));
   osim::append_vector(node, "gravity", model.gravity);
   osim::append_text(node, "length_units", "meters");
   osim::append_text(node, "force_units", "N");
@@ -105,17 +110,29 @@ std::string write_osim(const MusculoskeletalModel& model) {
 
 std::vector<Warning> losses_of_osim(const MusculoskeletalModel& model) {
   std::vector<Warning> losses;
-  for (const UnsupportedElement& element : model.unsupported) {
-    losses.push_back(
-        {element.source, fmt::format("<{}> '{}' is not written: Sinew does not treat it",
-                                     element.class_name, element.name)});
+  if (const std::string name = osim::component_name(model.name); name != model.name) {
+    losses.push_back({{},
+                      fmt::format("OpenSim refuses blanks and \\ / * + in names: the model "
+                                  "'{}' is written as '{}'",
+                                  model.name, name)});
   }
-  for (const PathElement& path : model.paths) {
-    if (path.wrap_objects.empty()) continue;
+  std::map<std::string, std::vector<const UnsupportedElement*>> by_class;
+  for (const UnsupportedElement& element : model.unsupported) {
+    by_class[element.class_name].push_back(&element);
+  }
+  for (const auto& [class_name, elements] : by_class) {
+    losses.push_back({elements[0]->source,
+                      fmt::format("<{}> is not written, as Sinew does not treat it ({} of them, "
+                                  "first: '{}')",
+                                  class_name, elements.size(), elements[0]->name)});
+  }
+  const auto wraps = [](const PathElement& path) { return !path.wrap_objects.empty(); };
+  const auto first = std::find_if(model.paths.begin(), model.paths.end(), wraps);
+  if (first != model.paths.end()) {
     losses.push_back(
-        {path.source, fmt::format("'{}' is written without the surfaces that it wraps over ({}), "
-                                  "which Sinew does not treat",
-                                  path.name, path.wrap_objects.size())});
+        {first->source, fmt::format("{} paths are written without the surfaces that they wrap "
+                                    "over, which Sinew does not treat (first: '{}')",
+                                    std::count_if(first, model.paths.end(), wraps), first->name)});
   }
   return losses;
 }

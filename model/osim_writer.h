@@ -11,7 +11,9 @@ namespace sinew {
 /// again, numbers to the last bit and orientations to 1e-15, and OpenSim 4 the same poses and
 /// paths.
 ///
-///  - Virtual links are bodies of mass 0 on a FreeJoint.
+///  - Virtual links are bodies on a FreeJoint with a mass of 1 mg, which read_osim() takes for
+///  none:
+///    OpenSim refuses bodies without mass that carry no other.
 ///  - Tendons are PathSprings, ligaments keep their class or are Ligaments, muscles keep their
 ///  class
 ///    or are Millard2012EquilibriumMuscles.
@@ -25,7 +27,7 @@ namespace sinew {
 std::string write_osim(const MusculoskeletalModel& model);
 
 /// What the description knows of and the document of write_osim() lacks: elements that Sinew does
-/// not treat and surfaces that paths wrap over, a warning each.
+/// not treat, a warning a class, and surfaces that paths wrap over.
 std::vector<Warning> losses_of_osim(const MusculoskeletalModel& model);
 
 }  // namespace sinew

@@ -19,7 +19,8 @@ void append_moving_location(pugi::xml_node node, const MusculoskeletalModel& mod
       append_text(node, fmt::format("socket_{}_coordinate", kLetters[i]),
                   coordinate_path(model, c));
     }
-    append_function(node, point.location[i].function, fmt::format("{}_location", kLetters[i]));
+    append_function(node.append_child(fmt::format("{}_location", kLetters[i]).c_str()),
+                    point.location[i].function, "");
   }
   // OpenSim leaves it aside; it is where editors show the point.
   if (!point.p_BP.isZero(0.0)) append_vector(node, "location", point.p_BP);

@@ -133,7 +133,6 @@ void expect_same(const std::vector<Item>& a, const std::vector<Item>& b) {
 }
 
 inline void expect_same(const MusculoskeletalModel& a, const MusculoskeletalModel& b) {
-  EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.gravity, b.gravity);
   expect_same(a.bodies, b.bodies);
   expect_same(a.joints, b.joints);
