@@ -199,7 +199,7 @@ class ModelCheck {
                     body_name(marker.body)));
   }
 
-  // Unit vectors from the link along the paths on it, and the bodies these lead to.
+  // Unit vectors from the link along the paths on it, and the bodies that these lead to or over.
   void collect_pulls(int link, std::vector<Vector3d>& directions, std::set<int>& bodies) const {
     for (const PathElement& path : model_.paths) {
       const std::size_t n = path.points.size();
@@ -209,7 +209,9 @@ class ModelCheck {
           if (k >= n || path.points[k].body == link) continue;
           const Vector3d d = in_world(path.points[k]) - in_world(path.points[i]);
           if (d.norm() > 0.0) directions.push_back(d.normalized());
-          bodies.insert(path.points[k].body);
+          for (const PathPoint& point : path.points) {
+            if (point.body != link) bodies.insert(point.body);
+          }
         }
       }
     }

@@ -243,6 +243,18 @@ TEST(ModelCheck, FindsVirtualLinksThatNothingHolds) {
                                   "it joins nothing"});
 }
 
+// The bone next to the link need not be the one that a path comes from.
+TEST(ModelCheck, FollowsPathsPastTheirViaPoints) {
+  MusculoskeletalModel model = leg_model();
+  add_virtual_link(model);
+  lead_to_fork(model, "soleus_r", 1);
+  lead_to_fork(model, "gas_med_r", 0);
+  PathElement& through = path(model, "gas_med_r");
+  through.points.insert(through.points.begin() + 1,
+                        fixed_point(model.find_body("tibia_r"), {0, -0.4, 0}));
+  EXPECT_EQ(of_fork(model), Lines{});
+}
+
 TEST(ModelCheck, PassesOnWhatTheReaderWarnedOf) {
   EXPECT_EQ(after([](auto& m) {
               m.warnings.push_back({{"legs.osim", 7}, "something is odd"});

@@ -3,13 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 
+#include "model/furcation.h"
 #include "model/kinematic_tree.h"
 #include "model/osim_file.h"
 #include "model/osim_reader.h"
 #include "model/path_length.h"
+#include "model/whole_body.h"
 #include "tests/model/random_model.h"
 #include "tests/model/same_model.h"
 #include "tests/model/shared_models.h"
@@ -72,6 +76,71 @@ TEST(OsimWriter, WritesEveryPublishedModelAsItReadsIt) {
     ++models;
   }
   EXPECT_EQ(models, 42);
+}
+
+// Their author leaves classes and stiffness to the writer; all else comes back.
+TEST(OsimWriter, WritesTheWholeBody) {
+  for (const auto level :
+       {WholeBodyOptions::Level::kSimplified, WholeBodyOptions::Level::kDetailed}) {
+    const MusculoskeletalModel model = whole_body({.level = level});
+    const MusculoskeletalModel again = parse_osim("body.osim", write_osim(model));
+    EXPECT_TRUE(losses_of_osim(model).empty());
+    expect_same(model.bodies, again.bodies);
+    expect_same(model.joints, again.joints);
+    expect_same(model.coordinates, again.coordinates);
+    expect_same(model.couplers, again.couplers);
+    expect_same(model.markers, again.markers);
+    expect_same_kinematics(model, again);
+    ASSERT_EQ(model.paths.size(), again.paths.size());
+    for (std::size_t i = 0; i < model.paths.size(); ++i) {
+      EXPECT_EQ(again.paths[i].name, model.paths[i].name);
+      EXPECT_EQ(again.paths[i].kind, model.paths[i].kind);
+      EXPECT_NEAR(again.paths[i].natural_length, model.paths[i].natural_length, 1e-12);
+      if (model.paths[i].kind != PathElement::Kind::kMuscle) continue;
+      EXPECT_EQ(again.paths[i].max_isometric_force, model.paths[i].max_isometric_force);
+    }
+  }
+}
+
+// The furcated Gait2354, moved at all its coordinates, virtual links' too: conditional and moving
+// points, muscles and tendons that OpenSim itself read from what was written.
+TEST(OsimWriter, WritesWhatOpenSimPosesAndMeasuresAlike) {
+  SINEW_SKIP_WITHOUT_SHARED_DATA();
+  std::ifstream file("tests/golden/osim_written.json");
+  const nlohmann::json poses = nlohmann::json::parse(file)["poses"];
+  const MusculoskeletalModel model =
+      furcate(read_osim(kSharedData / "opensim-models/Gait2354_Simbody/gait2354_simbody.osim"))
+          .model;
+  ASSERT_EQ(model.virtual_link_count(), 14);
+  const KinematicTree tree = compile_tree(model, {.ignore_locks = true});
+  KinematicWorkspace workspace(tree);
+  ASSERT_EQ(poses.size(), 2u);
+  for (const nlohmann::json& pose : poses) {
+    ASSERT_EQ(pose["coordinates"].size(), model.coordinates.size());
+    for (const auto& [name, value] : pose["coordinates"].items()) {
+      const int c = model.find_coordinate(name);
+      ASSERT_GE(c, 0) << name;
+      workspace.q[static_cast<std::size_t>(tree.q_of_coordinate[static_cast<std::size_t>(c)])] =
+          value;
+    }
+    update_poses(tree, workspace);
+    ASSERT_EQ(pose["bodies"].size(), model.bodies.size() - 1);
+    for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+      const auto values = pose["bodies"].at(model.bodies[b].name).get<std::vector<double>>();
+      for (int i = 0; i < 12; ++i) {
+        const RigidTransform& X = workspace.X_WB[b];
+        const double found = i < 9 ? X.R(i / 3, i % 3) : X.p[i - 9];
+        EXPECT_NEAR(found, values[static_cast<std::size_t>(i)], kPoseTolerance)
+            << model.bodies[b].name;
+      }
+    }
+    ASSERT_EQ(pose["lengths"].size(), model.paths.size());
+    for (const PathElement& path : model.paths) {
+      EXPECT_NEAR(path_length(path, tree, workspace), pose["lengths"].at(path.name).get<double>(),
+                  kPoseTolerance)
+          << path.name;
+    }
+  }
 }
 
 TEST(OsimWriter, NamesWhatItLeavesOut) {
