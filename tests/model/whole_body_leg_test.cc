@@ -279,21 +279,5 @@ TEST(WholeBodyLeg, ReachesThroughTheWalk) {
   }
 }
 
-// --- Quota. ---
-
-TEST(WholeBodyLeg, HasItsShareOfWiresAndVirtualLinks) {
-  for (const Level level : {Level::kSimplified, Level::kDetailed}) {
-    const bool detailed = level == Level::kDetailed;
-    const MusculoskeletalModel model = whole_body({.level = level});
-    const auto wires = std::count_if(model.paths.begin(), model.paths.end(), is_of_leg);
-    EXPECT_EQ(wires, 2 * (detailed ? 120 : 45));
-    const auto links =
-        std::count_if(model.bodies.begin(), model.bodies.end(), [](const Body& body) {
-          return body.virtual_link && body.source.file == "model/whole_body/virtual_links_leg.csv";
-        });
-    EXPECT_EQ(links, detailed ? 2 * 14 : 0);
-  }
-}
-
 }  // namespace
 }  // namespace sinew

@@ -30,10 +30,11 @@ int dof(const MusculoskeletalModel& model) {
 
 // --- Skeleton. ---
 
-TEST(WholeBody, HasTheDegreesOfFreedomOfTheIssue) {
+TEST(WholeBody, HasTheBonesDegreesOfFreedom) {
   const MusculoskeletalModel model = whole_body({.level = Level::kSimplified});
   EXPECT_EQ(dof(model), 155);
   EXPECT_EQ(model.virtual_link_count(), 0);
+  EXPECT_EQ(dof(whole_body({})), 155 + 6 * whole_body({}).virtual_link_count());
 }
 
 // Hips, knees, feet, shoulders and elbows stand and turn as in the embedded walk, so that its
@@ -269,6 +270,46 @@ INSTANTIATE_TEST_SUITE_P(Levels, WholeBodySymmetry,
                          });
 
 // --- Wires and markers. ---
+
+// How many of `items` come from that table.
+template <typename Items>
+int count_from(const Items& items, const std::string& table) {
+  int count = 0;
+  for (const auto& item : items) {
+    count += item.source.file == "model/whole_body/" + table + ".csv" ? 1 : 0;
+  }
+  return count;
+}
+
+// Both sides together.
+struct RegionCounts {
+  const char* region;
+  int simplified_wires, wires, virtual_links;
+};
+constexpr RegionCounts kRegions[] = {
+    {"leg", 90, 240, 28}, {"trunk", 144, 640, 24}, {"arm", 120, 326, 20}};
+
+TEST(WholeBody, HasTheWiresAndVirtualLinksOfItsRegionsAndTheirSum) {
+  const MusculoskeletalModel simplified = whole_body({.level = Level::kSimplified});
+  const MusculoskeletalModel detailed = whole_body({});
+  for (const RegionCounts& expected : kRegions) {
+    SCOPED_TRACE(expected.region);
+    const std::string wires = std::string("wires_") + expected.region;
+    if (count_from(detailed.paths, wires) == 0) {
+      GTEST_SKIP() << "model/whole_body/" << wires << ".csv has no rows yet";
+    }
+    EXPECT_EQ(count_from(simplified.paths, wires), expected.simplified_wires);
+    EXPECT_EQ(count_from(detailed.paths, wires), expected.wires);
+    EXPECT_EQ(count_from(detailed.bodies, std::string("virtual_links_") + expected.region),
+              expected.virtual_links);
+  }
+  EXPECT_EQ(simplified.paths.size(), 354u);
+  EXPECT_EQ(simplified.virtual_link_count(), 0);
+  EXPECT_EQ(dof(simplified), 155);
+  EXPECT_EQ(detailed.paths.size(), 1206u);
+  EXPECT_EQ(detailed.virtual_link_count(), 72);
+  EXPECT_EQ(dof(detailed), 587);
+}
 
 // L0 by the paths' lengths in the neutral pose, against the rule in the header.
 TEST(WholeBody, TakesNaturalLengthsFromTheNeutralPose) {
