@@ -41,18 +41,18 @@ struct WalkFoot {
   Eigen::Vector3d first_pressure, last_pressure;
 };
 
-/// A walk as plain values: a model, a curve for each coordinate that moves, and what each foot does
-/// on the floor. X points forward, Y up, Z to the right.
+/// A walk as plain values: a curve for each coordinate that moves, and what each foot does on the
+/// floor. X points forward, Y up, Z to the right.
 struct ReferenceWalk {
-  std::string model;           // OpenSim document
   double stride_time = 0.0;    // [s]
   double stride_length = 0.0;  // [m]
   std::vector<WalkCurve> curves;
   std::vector<WalkFoot> feet;
 };
 
-/// The embedded default: a man of 75 kg and 1.80 m at 1.36 m/s, in 31 coordinates of which 27 are
-/// free. The left side is the right side's mirror image, half a stride later.
+/// The embedded default: the whole body's man of 75 kg and 1.80 m at 1.36 m/s. The left side is the
+/// right side's mirror image, half a stride later; the trunk's turns are shared evenly by the
+/// vertebrae about the navel, L5 to L2.
 ///
 /// The curves are those typical of healthy men at their natural cadence (normative_curves())
 /// fitted to this body by least squares over the coefficients of their Fourier series, so that
@@ -60,12 +60,18 @@ struct ReferenceWalk {
 ///  - the force that the motion asks of the floor has the two humps of a walk and acts where the
 ///    feet are, and the torques about hip, knee and ankle keep to their typical course: see
 ///    make_reference_recording.
+/// The fit was made with the trunk as one body that turns about the navel.
 ReferenceWalk reference_walk();
+
+/// The vertebrae that share the trunk's turns, from the lowest up.
+std::vector<std::string> turning_vertebrae();
 
 /// Points of a typical curve over the stride, from a foot's strike on; the right foot's, or the
 /// trunk's from the right foot's strike on.
 struct NormativeCurve {
-  std::string coordinate;           // of the model; of the right side where there are two
+  // Of the model; of the right side where there are two. lumbar_extension, lumbar_bending and
+  // lumbar_rotation are sums over turning_vertebrae().
+  std::string coordinate;
   std::vector<double> percent;      // of the stride
   std::vector<double> degrees;      // in the model's sign
   double standard_deviation = 0.0;  // between men, typical [degrees]
@@ -80,12 +86,5 @@ struct NormativeCurve {
 ///  - Perry J, Burnfield JM (2010) Gait Analysis, 2nd ed., Slack: trunk, subtalar joint;
 ///  - Murray MP, Sepic SB, Barnard EJ (1967) Phys Ther 47:272-284: shoulder and elbow.
 std::vector<NormativeCurve> normative_curves();
-
-/// The model alone, an OpenSim 4.0 document.
-///
-/// Masses, mass centres, radii of gyration and lengths of segments: de Leva P (1996) J Biomech
-/// 29:1223-1230, men, scaled from 1.741 m and 73.0 kg. Everything on the left is made from the
-/// right by reflection in the plane z = 0.
-std::string reference_walk_model();
 
 }  // namespace sinew

@@ -192,14 +192,17 @@ class Progress {
   std::mutex mutex_;
 };
 
-// The coordinates that have a column.
-std::vector<std::size_t> reported_coordinates(std::size_t count,
+// The coordinates that have a column: none of a virtual link, where without mass and load nothing
+// can act.
+std::vector<std::size_t> reported_coordinates(const MusculoskeletalModel& model,
                                               const std::vector<CompiledCoupler>& couplers) {
+  const std::size_t count = model.coordinates.size();
   std::vector<bool> dependent(count, false);
   for (const CompiledCoupler& c : couplers) dependent[c.dependent] = true;
   std::vector<std::size_t> reported;
   for (std::size_t c = 0; c < count; ++c) {
-    if (!dependent[c]) reported.push_back(c);
+    const auto body = static_cast<std::size_t>(model.coordinates[c].joint) + 1;
+    if (!dependent[c] && !model.bodies[body].virtual_link) reported.push_back(c);
   }
   return reported;
 }
@@ -276,7 +279,7 @@ TimeTable generalized_forces(const MusculoskeletalModel& model, const SimbodyMod
   if (times.size() > 0) loads.require_coverage(times.minCoeff(), times.maxCoeff());
 
   const Solver solver(model, compiled, motion, loads, options);
-  const std::vector<std::size_t> reported = reported_coordinates(count, solver.couplers());
+  const std::vector<std::size_t> reported = reported_coordinates(model, solver.couplers());
   TimeTable result;
   result.name = "Inverse Dynamics Generalized Forces";
   result.in_degrees = false;

@@ -58,13 +58,13 @@ struct InverseDynamicsResult {
 /// locks and prescribed functions are ignored, as in OpenSim: the motion is what `motion` says.
 ///
 /// motion: the model's coordinates in its order [rad, m]. times [s], within motion.
-/// Returns times.size() rows; columns in the model's order, `<coordinate>_moment` [N m] for
-/// rotational coordinates, `<coordinate>_force` [N] for all others. Each is the force that works on
-/// its coordinate's rate, so that tau·q̇ is the power; for ball and free joints, whose speeds are
-/// angular velocities, that is N⁻ᵀ times the force on the speeds. (OpenSim's tool takes q̇ for u
-/// there, which is wrong as soon as the joint turns about more than one axis.)
-/// Frames are solved in parallel; O(bodies) a frame. Where options.progress stops the work, the
-/// rows that were not solved are NaN. Throws InputError if `loads` do not cover `times`,
+/// Returns times.size() rows; columns in the model's order, without those of virtual links,
+/// `<coordinate>_moment` [N m] for rotational coordinates, `<coordinate>_force` [N] for all others.
+/// Each is the force that works on its coordinate's rate, so that tau·q̇ is the power; for ball and
+/// free joints, whose speeds are angular velocities, that is N⁻ᵀ times the force on the speeds.
+/// (OpenSim's tool takes q̇ for u there, which is wrong as soon as the joint turns about more than
+/// one axis.) Frames are solved in parallel; O(bodies) a frame. Where options.progress stops the
+/// work, the rows that were not solved are NaN. Throws InputError if `loads` do not cover `times`,
 /// std::invalid_argument if sizes differ.
 TimeTable generalized_forces(const MusculoskeletalModel& model, const SimbodyModel& compiled,
                              const CoordinateSpline& motion, const ExternalLoads& loads,

@@ -39,7 +39,7 @@ class Binder {
     bind_markers();
     if (tasks_ != nullptr) bind_coordinates();
     bind_loops();
-    bind_virtual_links();
+    bind_links();
     result_.wires = bind_wires(model_, tree_, options_.wires, result_.problem, result_.warnings);
     return std::move(result_);
   }
@@ -177,18 +177,15 @@ class Binder {
     }
   }
 
-  void bind_virtual_links() {
+  void bind_links() {
     for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
-      if (!model_.bodies[b].virtual_link) continue;
-      result_.virtual_links.push_back(static_cast<int>(b));
-      for (const int c : model_.joints[b - 1].coordinates) {
-        const auto i = static_cast<std::size_t>(c);
-        const double weight = options_.wires.virtual_link_weight;
-        if (model_.coordinates[i].locked || weight == 0.0) continue;
-        result_.problem.coordinates.push_back(
-            {tree_.q_of_coordinate[i], tree_.v_of_coordinate[i], weight});
-        result_.coordinates.push_back({c, weight, model_.coordinates[i].default_value, {}});
-      }
+      if (model_.bodies[b].virtual_link) result_.virtual_links.push_back(static_cast<int>(b));
+    }
+    for (const int c : bind_virtual_links(model_, tree_, options_.wires, result_.problem)) {
+      result_.coordinates.push_back({c,
+                                     options_.wires.virtual_link_weight,
+                                     model_.coordinates[static_cast<std::size_t>(c)].default_value,
+                                     {}});
     }
   }
 

@@ -63,6 +63,23 @@ void WireOptions::validate() const {
   check("virtual_link_weight", virtual_link_weight);
 }
 
+std::vector<int> bind_virtual_links(const MusculoskeletalModel& model, const KinematicTree& tree,
+                                    const WireOptions& options, IkProblem& problem) {
+  std::vector<int> coordinates;
+  if (options.virtual_link_weight == 0.0) return coordinates;
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    if (!model.bodies[b].virtual_link) continue;
+    for (const int c : model.joints[b - 1].coordinates) {
+      const auto i = static_cast<std::size_t>(c);
+      if (model.coordinates[i].locked) continue;
+      problem.coordinates.push_back(
+          {tree.q_of_coordinate[i], tree.v_of_coordinate[i], options.virtual_link_weight});
+      coordinates.push_back(c);
+    }
+  }
+  return coordinates;
+}
+
 std::vector<TrackedWire> bind_wires(const MusculoskeletalModel& model, const KinematicTree& tree,
                                     const WireOptions& options, IkProblem& problem,
                                     std::vector<Warning>& warnings) {

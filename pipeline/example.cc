@@ -9,7 +9,9 @@
 #include "data/reference_walk.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
-#include "dynamics/reference_recording.h"
+#include "ik/tracking.h"
+#include "model/kinematic_tree.h"
+#include "model/osim_writer.h"
 
 namespace sinew {
 namespace {
@@ -38,16 +40,52 @@ std::string external_loads(const ExternalLoadsSetup& loads) {
   return document(text + "    </objects>\n    <datafile>grf.mot</datafile>\n  </ExternalLoads>\n");
 }
 
-// Every marker with the same weight.
-std::string tasks(const MarkerTrajectories& markers) {
-  std::string text = "  <IKTaskSet name=\"markers\">\n    <objects>\n";
-  for (const std::string& name : markers.names) {
-    text += fmt::format(
-        "      <IKMarkerTask name=\"{}\">\n"
-        "        <apply>true</apply>\n"
-        "        <weight>1</weight>\n"
-        "      </IKMarkerTask>\n",
-        name);
+// Of the joints that markers leave undetermined, towards the neutral pose [1/rad²]; a marker's
+// weight is 1/m². A thousandth of what markers on the trunk hold the spine with.
+constexpr double kPostureWeight = 1e-4;
+
+// Coordinates between bones that the markers alone leave free in the neutral pose.
+std::vector<int> posture_coordinates(const MusculoskeletalModel& model,
+                                     const MarkerTrajectories& standing) {
+  const KinematicTree tree = compile_tree(model);
+  BindingOptions markers_only;
+  markers_only.wires.use = WireOptions::Use::kNone;
+  markers_only.wires.virtual_link_weight = 0.0;
+  const MarkerFile recording{"static", standing, {}};
+  const TrackingProblem tracking =
+      bind_recording(model, tree, recording, nullptr, nullptr, markers_only);
+  IkTargets targets(tracking.problem);
+  set_targets(tracking, standing, 0, targets);
+  std::vector<int> coordinates =
+      undetermined_coordinates(model, tree, tracking, targets, tree.default_q);
+  std::erase_if(coordinates, [&](int c) {
+    const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
+    return model.bodies[static_cast<std::size_t>(coordinate.joint) + 1].virtual_link;
+  });
+  return coordinates;
+}
+
+std::string task(const char* element, const std::string& name, double weight) {
+  return fmt::format(
+      "      <{0} name=\"{1}\">\n"
+      "        <apply>true</apply>\n"
+      "        <weight>{2}</weight>\n"
+      "{3}"
+      "      </{0}>\n",
+      element, name, weight,
+      std::string_view(element) == "IKCoordinateTask"
+          ? "        <value_type>default_value</value_type>\n"
+          : "");
+}
+
+// Every marker with the same weight, and the posture.
+std::string tasks(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
+                  const std::vector<int>& posture) {
+  std::string text = "  <IKTaskSet name=\"walk\">\n    <objects>\n";
+  for (const std::string& name : markers.names) text += task("IKMarkerTask", name, 1.0);
+  for (const int c : posture) {
+    text += task("IKCoordinateTask", model.coordinates[static_cast<std::size_t>(c)].name,
+                 kPostureWeight);
   }
   return document(text + "    </objects>\n  </IKTaskSet>\n");
 }
@@ -99,17 +137,23 @@ TimeTable in_degrees(const MusculoskeletalModel& model, TimeTable table) {
 
 }  // namespace
 
-void write_example(const std::filesystem::path& folder) {
-  const ReferenceWalk walk = reference_walk();
-  const ReferenceRecording recording = make_reference_recording(walk);
-  write_file_atomically(folder / "model.osim", walk.model);
+void write_example(const std::filesystem::path& folder, const ExampleOptions& options) {
+  const MusculoskeletalModel body = whole_body(options.body);
+  const ReferenceRecording recording =
+      make_reference_recording(body, reference_walk(), options.recording);
+  const MarkerTrajectories standing = make_static_recording(body, options.recording);
+  const std::vector<int> posture = posture_coordinates(body, make_static_recording(body));
+  write_file_atomically(folder / "model.osim", write_osim(body));
   write_trc(folder / "walk.trc", recording.markers);
+  write_trc(folder / "static.trc", standing);
   write_storage(folder / "grf.mot", recording.forces);
   write_file_atomically(folder / "grf.xml", external_loads(recording.loads));
-  write_file_atomically(folder / "ik_tasks.xml", tasks(recording.markers));
+  write_file_atomically(folder / "ik_tasks.xml", tasks(body, recording.markers, posture));
   write_file_atomically(folder / "ik_setup.xml", ik_setup(recording.true_coordinates));
   write_file_atomically(folder / "id_setup.xml", id_setup(recording.true_coordinates));
-  write_storage(folder / "truth_ik.mot", in_degrees(recording.model, recording.true_coordinates));
+  write_storage(folder / "truth_ik.mot", in_degrees(body, recording.true_coordinates));
+  write_storage(folder / "truth_speeds.sto", in_degrees(body, recording.true_speeds));
+  write_storage(folder / "truth_accelerations.sto", in_degrees(body, recording.true_accelerations));
   write_storage(folder / "truth_id.sto", recording.true_forces);
 }
 

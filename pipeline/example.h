@@ -2,11 +2,21 @@
 
 #include <filesystem>
 
+#include "dynamics/reference_recording.h"
+#include "model/whole_body.h"
+
 namespace sinew {
 
-/// Writes the embedded walk as files: model.osim, walk.trc, grf.mot, grf.xml (ExternalLoads),
-/// ik_tasks.xml, ik_setup.xml, id_setup.xml and the truth, truth_ik.mot and truth_id.sto.
-/// Throws InputError if the folder cannot be written.
-void write_example(const std::filesystem::path& folder);
+struct ExampleOptions {
+  WholeBodyOptions body;
+  ReferenceRecordingOptions recording;
+};
+
+/// Writes the embedded walk as files: model.osim, walk.trc, static.trc, grf.mot, grf.xml
+/// (ExternalLoads), ik_tasks.xml, ik_setup.xml, id_setup.xml and the truth, truth_ik.mot,
+/// truth_speeds.sto, truth_accelerations.sto and truth_id.sto. Joints that the markers leave
+/// undetermined have tasks of small weight that keep them near their neutral pose. Throws
+/// InputError if the folder cannot be written, std::invalid_argument for bad options.
+void write_example(const std::filesystem::path& folder, const ExampleOptions& options = {});
 
 }  // namespace sinew

@@ -45,6 +45,8 @@ struct RunCommand {
     ik.markers = (folder / "walk.trc").string();
     ik.tasks = (folder / "ik_tasks.xml").string();
     dynamics.loads = (folder / "grf.xml").string();
+    // Markers without noise need no filter, and one would take part of the motion away.
+    if (!dynamics.cutoff) dynamics.cutoff = -1.0;
   }
 
   int run() {
