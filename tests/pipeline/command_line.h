@@ -20,6 +20,11 @@
 
 namespace sinew {
 
+/// The command, which is built beside the test program.
+inline std::string sinew_binary() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "sinew").string();
+}
+
 /// What a run of the command left.
 struct Outcome {
   int exit_code = -1;  // −1: ended by a signal
@@ -40,7 +45,7 @@ inline Outcome run_sinew(const std::filesystem::path& folder, std::vector<std::s
   const TemporaryFolder streams;
   const std::string out = (streams.path() / "out").string(),
                     err = (streams.path() / "err").string();
-  arguments.insert(arguments.begin(), SINEW_BINARY);
+  arguments.insert(arguments.begin(), sinew_binary());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);

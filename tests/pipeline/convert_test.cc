@@ -191,10 +191,11 @@ TEST_F(Convert, AC3dFileNeedNotFitIntoMemory) {
     write_c3d(path_ / "large.c3d", file);
   }
   const std::string input = path_ / "large.c3d", output = path_ / "large.trc";
+  const std::string binary = sinew_binary();
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(::open("/dev/null", O_WRONLY), 1);
-    ::execl(SINEW_BINARY, SINEW_BINARY, "convert", input.c_str(), "--up", "keep", "--out",
+    ::execl(binary.c_str(), binary.c_str(), "convert", input.c_str(), "--up", "keep", "--out",
             output.c_str(), nullptr);
     ::_exit(127);
   }
