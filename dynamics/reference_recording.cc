@@ -138,11 +138,13 @@ void prepare_tables(ReferenceRecording& r) {
   }
 }
 
+// Forces go on to the last frame's end, as platforms measure several samples a frame.
 void prepare_forces(const ReferenceRecordingOptions& options, const ReferenceWalk& walk,
                     ReferenceRecording& r) {
+  const double frames_end = r.markers.time[r.markers.time.size() - 1] + 1.0 / options.marker_rate;
   r.forces.name = "Ground reaction forces";
   r.forces.in_degrees = false;
-  r.forces.time = sample_times(options.strides * walk.stride_time, options.force_rate);
+  r.forces.time = sample_times(frames_end - 1.0 / options.force_rate, options.force_rate);
   for (const WalkFoot& foot : walk.feet) {
     ExternalForce force;
     force.name = "floor_" + foot.side;

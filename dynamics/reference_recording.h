@@ -24,7 +24,8 @@ struct ReferenceRecording {
   MusculoskeletalModel model;
   MarkerTrajectories markers;
   TimeTable forces;  // ground_force_r_vx … [N], …_px … [m], ground_torque_r_x … [N m];
-                     // all of a foot's columns are 0 while it is in the air
+                     // all of a foot's columns are 0 while it is in the air; as many samples in
+                     // the last frame of the markers as in every other
   ExternalLoadsSetup loads;  // bound to the columns of `forces`
   // At the markers' times; every coordinate of the model [rad or m; 1/s; 1/s²]. Virtual links stand
   // where the wires' cost of inverse kinematics, eq. (38), is least for the bones' pose; they have

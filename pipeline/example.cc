@@ -5,7 +5,9 @@
 #include <numbers>
 #include <string>
 
+#include "data/c3d_writer.h"
 #include "data/output_file.h"
+#include "data/reference_laboratory.h"
 #include "data/reference_walk.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
@@ -137,10 +139,11 @@ TimeTable in_degrees(const MusculoskeletalModel& model, TimeTable table) {
 
 }  // namespace
 
-void write_example(const std::filesystem::path& folder, const ExampleOptions& options) {
+std::vector<Warning> write_example(const std::filesystem::path& folder,
+                                   const ExampleOptions& options) {
   const MusculoskeletalModel body = whole_body(options.body);
-  const ReferenceRecording recording =
-      make_reference_recording(body, reference_walk(), options.recording);
+  const ReferenceWalk walk = reference_walk();
+  const ReferenceRecording recording = make_reference_recording(body, walk, options.recording);
   const MarkerTrajectories standing = make_static_recording(body, options.recording);
   const std::vector<int> posture = posture_coordinates(body, make_static_recording(body));
   write_file_atomically(folder / "model.osim", write_osim(body));
@@ -155,6 +158,17 @@ void write_example(const std::filesystem::path& folder, const ExampleOptions& op
   write_storage(folder / "truth_speeds.sto", in_degrees(body, recording.true_speeds));
   write_storage(folder / "truth_accelerations.sto", in_degrees(body, recording.true_accelerations));
   write_storage(folder / "truth_id.sto", recording.true_forces);
+  write_c3d(folder / "static.c3d", reference_laboratory(standing));
+  const double duration = recording.markers.time[recording.markers.time.size() - 1];
+  const std::filesystem::path laboratory = folder / "walk.c3d";
+  if (const std::size_t steps = steps_of(walk, duration).size(); steps > kMaxPlatforms) {
+    return {{{laboratory.string()},
+             fmt::format("not written: {} steps need more than the {} force platforms that a C3D "
+                         "file describes; --strides makes fewer",
+                         steps, kMaxPlatforms)}};
+  }
+  write_c3d(laboratory, reference_laboratory(walk, recording.markers, recording.forces));
+  return {};
 }
 
 }  // namespace sinew

@@ -45,7 +45,8 @@ struct ExampleCommand {
   int run() {
     options.body.level = level == "detailed" ? WholeBodyOptions::Level::kDetailed
                                              : WholeBodyOptions::Level::kSimplified;
-    write_example(folder, options);
+    std::vector<Warning> warnings;
+    report(warnings, write_example(folder, options));
     fmt::print("{}\n", folder);
     return kExitOk;
   }

@@ -105,7 +105,7 @@ TEST(ReferenceModel, WalksWithinItsRanges) {
 TEST(ReferenceRecording, HasTheSamplesItPromises) {
   const ReferenceRecording& r = fixture().recording;
   EXPECT_EQ(r.markers.frame_count(), 221);
-  EXPECT_EQ(r.forces.time.size(), 2201);
+  EXPECT_EQ(r.forces.time.size(), 2210);
   EXPECT_EQ(r.markers.time[220], 2.2);
   EXPECT_EQ(r.forces.time[2200], 2.2);
   EXPECT_TRUE(r.markers.p_WM.allFinite());

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "data/trc_file.h"
 #include "tests/pipeline/command_line.h"
 
 namespace sinew {
@@ -39,10 +41,11 @@ TEST(Example, SetupsAndRunGiveBackTheTruth) {
   const Outcome example = run_sinew(path, {"example", "--out", "walk"});
   ASSERT_EQ(example.exit_code, 0) << example.err;
   EXPECT_EQ(example.out, "walk\n");
-  const Arguments written = {
-      "grf.mot",      "grf.xml",      "id_setup.xml",     "ik_setup.xml",
-      "ik_tasks.xml", "model.osim",   "static.trc",       "truth_accelerations.sto",
-      "truth_id.sto", "truth_ik.mot", "truth_speeds.sto", "walk.trc"};
+  const Arguments written = {"grf.mot",      "grf.xml",      "id_setup.xml",
+                             "ik_setup.xml", "ik_tasks.xml", "model.osim",
+                             "static.c3d",   "static.trc",   "truth_accelerations.sto",
+                             "truth_id.sto", "truth_ik.mot", "truth_speeds.sto",
+                             "walk.c3d",     "walk.trc"};
   EXPECT_EQ(tree_of(path / "walk"), written);
 
   ASSERT_EQ(run_sinew(path, {"ik", "--setup", "walk/ik_setup.xml"}).exit_code, 0);
@@ -57,6 +60,75 @@ TEST(Example, SetupsAndRunGiveBackTheTruth) {
   EXPECT_LT(largest_error(path / "r/ik.mot", path / "walk/truth_ik.mot"), 0.006);
   // At the record's ends a spline does not know the acceleration.
   EXPECT_LT(largest_error(path / "r/id.sto", path / "walk/truth_id.sto"), 6.0);
+}
+
+// Largest difference of two tables' values; NaN against NaN is none.
+double largest_difference(const RowMatrix& a, const RowMatrix& b) {
+  if (a.rows() != b.rows() || a.cols() != b.cols()) return 1e300;
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    const double x = a.data()[i], y = b.data()[i];
+    if (std::isnan(x) && std::isnan(y)) continue;
+    const double difference = std::abs(x - y);
+    largest = difference <= largest ? largest : difference;  // also if it is NaN
+  }
+  return largest;
+}
+
+TEST(Example, LaboratoryFilesGiveTheSameRecordingBack) {
+  const TemporaryFolder folder;
+  const std::filesystem::path& path = folder.path();
+  ASSERT_EQ(run_sinew(path, {"example", "--level", "simplified", "--noise", "0.001", "--occlusion",
+                             "0.05", "--out", "e"})
+                .exit_code,
+            0);
+  for (const std::string trial : {"walk", "static"}) {
+    const Outcome outcome =
+        run_sinew(path, {"convert", "e/" + trial + ".c3d", "--out", trial + ".trc"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_NE(outcome.out.find("up is z ("), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("forward is y ("), std::string::npos) << outcome.out;
+    const MarkerTrajectories back = read_trc(path / (trial + ".trc")).markers;
+    const MarkerTrajectories given = read_trc(path / "e" / (trial + ".trc")).markers;
+    EXPECT_EQ(back.names, given.names);
+    EXPECT_EQ(back.frame_numbers, given.frame_numbers);
+    // 32 bits of positions within 4 m.
+    EXPECT_LT(largest_difference(back.p_WM, given.p_WM), 1.3e-7);
+  }
+
+  const Outcome outcome =
+      run_sinew(path, {"convert", "e/walk.c3d", "--model", "e/model.osim", "--threshold", "0.01",
+                       "--loads", "grf.xml", "--out", "grf.mot"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const TimeTable back = read_storage(path / "grf.mot").table;
+  const TimeTable given = read_storage(path / "e/grf.mot").table;
+  ASSERT_EQ(back.values.rows(), given.values.rows());
+  EXPECT_LT((back.time - given.time).cwiseAbs().maxCoeff(), 1e-9);
+  int compared = 0;
+  for (const auto& [foot, side] : {std::pair{"right", "r"}, {"left", "l"}}) {
+    const auto columns = [](const TimeTable& table, const std::string& first) {
+      const int column = table.find_column(first);
+      EXPECT_GE(column, 0) << first;
+      return table.values.middleCols<3>(std::max(column, 0)).eval();
+    };
+    const std::string name = foot, ground = std::string("ground_");
+    const RowMatrix force = columns(given, ground + "force_" + side + "_vx");
+    // 0.01 N is the threshold: what is less is zero.
+    EXPECT_LT(largest_difference(columns(back, name + "_force_vx"), force), 0.011);
+    const RowMatrix point = columns(given, ground + "force_" + side + "_px"),
+                    torque = columns(given, ground + "torque_" + side + "_x"),
+                    point_back = columns(back, name + "_force_px"),
+                    torque_back = columns(back, name + "_torque_x");
+    for (Eigen::Index i = 0; i < force.rows(); ++i) {
+      if (force(i, 1) < 20.0) continue;
+      ++compared;
+      ASSERT_LT((point_back.row(i) - point.row(i)).norm(), 1e-6) << i;
+      ASSERT_LT((torque_back.row(i) - torque.row(i)).norm(), 2e-5) << i;
+    }
+  }
+  EXPECT_GT(compared, 2400);  // two feet for 62 % of 2.2 s
 }
 
 TEST(Example, RunWithoutFilesSolvesIt) {
