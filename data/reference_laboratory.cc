@@ -69,7 +69,7 @@ void add_platforms(const std::vector<ReferenceStep>& steps, C3dFile& file) {
     for (const double x : p) values.push_back(static_cast<float>(x / file.metres_per_unit));
   };
   for (const ReferenceStep& step : steps) {
-    for (const auto [x, y] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
+    for (const auto& [x, y] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
       const Vector3d p_CK(0.5 * kLength * x, 0.5 * kWidth * y, 0.0);
       append(kR_WM * step.p_MC + kR_WP * p_CK, corners);
     }
