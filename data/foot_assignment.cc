@@ -372,14 +372,18 @@ TimeTable foot_loads(const FootAssignment& assignment,
                      const std::vector<ForcePlatformRecording>& plates) {
   TimeTable table;
   table.name = "Ground reactions";
-  if (plates.empty()) return table;
-  const Eigen::Index rows = plates.front().force.rows();
-  const double rate = plates.front().rate;
+  // `condition` leaves platforms without moments as they are; the others have the same samples.
+  const auto any = std::find_if(plates.begin(), plates.end(), [](const auto& plate) {
+    return plate.platform.has_moments && plate.sample_count() > 0;
+  });
+  if (any == plates.end()) return table;
+  const Eigen::Index rows = any->force.rows();
+  const double rate = any->rate;
   table.time.resize(rows);
   for (Eigen::Index i = 0; i < rows; ++i) table.time[i] = static_cast<double>(i) / rate;
   for (std::size_t foot = 0; foot < assignment.feet.size(); ++foot) {
     std::vector<std::vector<Load>> loads(static_cast<std::size_t>(rows));
-    Vector3d anywhere = plates.front().platform.p_WC;
+    Vector3d anywhere = any->platform.p_WC;
     for (const PlateContact& contact : assignment.contacts) {
       if (contact.foot != static_cast<int>(foot) ||
           contact.state != PlateContact::State::kAssigned) {

@@ -31,12 +31,14 @@ class Recorder {
   }
 
   ForcePlatformRecording record() {
-    const Eigen::Index samples = file_.analog.values.rows();
+    const bool usable = recording_.platform.usable();
+    // Files that name hundreds of platforms would fill the memory with what is not known.
+    const Eigen::Index samples = usable ? file_.analog.values.rows() : 0;
     for (RowMatrix* table :
          {&recording_.force, &recording_.moment, &recording_.center, &recording_.free_moment}) {
       table->setConstant(samples, 3, kNaN);
     }
-    if (!recording_.platform.usable() || samples == 0) return std::move(recording_);
+    if (samples == 0) return std::move(recording_);
     collect_channels();
     if (options_.subtract_baseline) subtract_baseline();
     compute_wrenches();
@@ -192,6 +194,13 @@ class Recorder {
   std::vector<Wrench> wrenches_;
 };
 
+// fx12, fx34, fy14, fy23, fz1, ..., fz4 of the three forces of each transducer (4).
+Eigen::VectorXd pair_up(const Eigen::VectorXd& f) {
+  Eigen::VectorXd pairs(8);
+  pairs << f[0] + f[3], f[6] + f[9], f[1] + f[10], f[4] + f[7], f[2], f[5], f[8], f[11];
+  return pairs;
+}
+
 Wrench combine_four_transducers(const ForcePlatform& platform, const Eigen::VectorXd& f) {
   const double a = platform.origin.x(), b = platform.origin.y();
   const Vector3d force(f[0] + f[1], f[2] + f[3], f[4] + f[5] + f[6] + f[7]);
@@ -211,8 +220,10 @@ void ForcePlatformOptions::validate() const {
 Wrench compute_wrench(const ForcePlatform& platform, const Eigen::VectorXd& channels) {
   const auto count = static_cast<Eigen::Index>(platform.to_si.size());
   Eigen::VectorXd f = channels.cwiseProduct(Eigen::VectorXd::Map(platform.to_si.data(), count));
-  if (platform.type == 3) return combine_four_transducers(platform, f);  // (2)
-  if (platform.type == 4) f = platform.calibration * f;
+  if (platform.calibration.size() > 0) f = platform.calibration * f;
+  if (platform.type == 6) return combine_four_transducers(platform, pair_up(f));
+  if (platform.type == 3 || platform.type == 7)
+    return combine_four_transducers(platform, f);  // (2)
   const Vector3d force = f.head<3>();
   if (platform.type == 1) {  // (3)
     return {force, Vector3d(f[3], f[4], 0.0).cross(force) + Vector3d(0.0, 0.0, f[5])};

@@ -14,16 +14,16 @@ namespace sinew {
 /// z points into the ground. Channels hold the reaction of the ground on the subject, in P.
 struct ForcePlatform {
   int number = 0;                          // from 1
-  int type = 0;                            // FORCE_PLATFORM:TYPE, 1 to 4
+  int type = 0;                            // FORCE_PLATFORM:TYPE, 1 to 7
   std::array<Eigen::Vector3d, 4> corners;  // in W [m]
   Eigen::Vector3d p_WC;
   Eigen::Matrix3d R_WP;
-  // From where forces make no moment to C, in P [m]; type 3: half the distances of the transducers
-  // along x and y, and z.
+  // From where forces make no moment to C, in P [m]; types 3, 6 and 7: half the distances of the
+  // transducers along x and y, and z.
   Eigen::Vector3d origin;
   std::vector<int> channels;    // columns of C3dAnalog::values
   std::vector<double> to_si;    // what makes N, N·m or m of each channel's unit
-  Eigen::MatrixXd calibration;  // type 4: 6 × 6, makes N and N·m of channels
+  Eigen::MatrixXd calibration;  // types 4 to 7: makes N and N·m of channels, see compute_wrench
   std::string problem;          // why it cannot be used; empty if it can
   bool has_moments = true;      // false: forces only, for a lack of distances
 
@@ -58,7 +58,7 @@ struct ForcePlatformRecording {
 };
 
 struct ForcePlatforms {
-  std::vector<ForcePlatformRecording> recordings;  // one a platform, unusable ones with NaN
+  std::vector<ForcePlatformRecording> recordings;  // one a platform; unusable: no samples
   std::vector<Warning> warnings;
 };
 
@@ -68,19 +68,24 @@ std::vector<ForcePlatform> find_force_platforms(const C3dFile& file,
                                                 std::vector<Warning>& warnings);
 
 /// Force and moment about C of one sample, in P, from the platform's channels as they are stored.
-/// O(1). Equations from the C3D User Guide (Motion Lab Systems), chapter FORCE_PLATFORM:TYPE:
-///   types 2, 4   M_C = M_O + F × p_OC                                                        (1)
-///   type 3       F = (fx12 + fx34, fy14 + fy23, fz1 + fz2 + fz3 + fz4)                       (2)
-///                M_O = (b (fz1 + fz2 - fz3 - fz4), a (-fz1 + fz2 + fz3 - fz4),
-///                       b (-fx12 + fx34) + a (fy14 - fy23))
-///   type 1       M_C = p_CQ × F + (0, 0, Mz), Q the centre of pressure                       (3)
+/// O(1). Equations from the C3D User Guide (Motion Lab Systems), chapter FORCE_PLATFORM:TYPE; types
+/// 5 to 7, which it does not have, as Visual3D's manual defines them, chapter FP_TYPE:
+///   types 2, 4, 5  M_C = M_O + F × p_OC                                                      (1)
+///   types 3, 7     F = (fx12 + fx34, fy14 + fy23, fz1 + fz2 + fz3 + fz4)                     (2)
+///                  M_O = (b (fz1 + fz2 - fz3 - fz4), a (-fz1 + fz2 + fz3 - fz4),
+///                         b (-fx12 + fx34) + a (fy14 - fy23))
+///   type 1         M_C = p_CQ × F + (0, 0, Mz), Q the centre of pressure                     (3)
+///   type 6         (2) with fx12 = fx1 + fx2, fx34 = fx3 + fx4, fy14 = fy1 + fy4,
+///                  fy23 = fy2 + fy3, of channels fx1 fy1 fz1 fx2 ... fz4                     (4)
+/// CAL_MATRIX makes F and M_O of six (type 4, 6 × 6) or eight (type 5, 6 × 8) channels, and the
+/// forces of transducers of eight (type 7, 8 × 8) or twelve (type 6, 12 × 12).
 struct Wrench {
   Eigen::Vector3d force, moment;  // [N], [N·m]
 };
 Wrench compute_wrench(const ForcePlatform& platform, const Eigen::VectorXd& channels);
 
 /// Where the force's line meets the surface, p_CQ in P, and the moment about z that is left there:
-///   x = -My / Fz,  y = Mx / Fz,  Tz = Mz - x Fy + y Fx                                       (4)
+///   x = -My / Fz,  y = Mx / Fz,  Tz = Mz - x Fy + y Fx                                       (5)
 struct CenterOfPressure {
   Eigen::Vector3d p_CQ;
   double free_moment = 0.0;

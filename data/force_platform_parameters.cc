@@ -38,6 +38,14 @@ std::optional<double> newtons_per(const std::string& unit, bool moment) {
   return std::nullopt;
 }
 
+std::size_t channel_count(int type) {
+  if (type == 6) return 12;
+  return type == 3 || type == 5 || type == 7 ? 8 : 6;
+}
+
+// Whether ORIGIN says where four transducers stand.
+bool has_four_transducers(int type) { return type == 3 || type == 6 || type == 7; }
+
 class Finder {
  public:
   Finder(const C3dFile& file, std::vector<Warning>& warnings)
@@ -80,14 +88,14 @@ class Finder {
       return;
     }
     platform.type = static_cast<int>(types_[i]);
-    if (platform.type < 1 || platform.type > 4) {
-      platform.problem = fmt::format("type {} is not supported; types 1 to 4 are", platform.type);
+    if (platform.type < 1 || platform.type > 7) {
+      platform.problem = fmt::format("type {} is not supported; types 1 to 7 are", platform.type);
       return;
     }
     set_corners(platform, i);
     if (platform.usable()) set_channels(platform, i);
     if (platform.usable()) set_origin(platform, i);
-    if (platform.usable() && platform.type == 4) set_calibration(platform, i);
+    if (platform.usable() && platform.type >= 4) set_calibration(platform, i);
   }
 
   void set_corners(ForcePlatform& platform, std::size_t i) {
@@ -139,7 +147,7 @@ class Finder {
   }
 
   void set_channels(ForcePlatform& platform, std::size_t i) {
-    const std::size_t count = platform.type == 3 ? 8 : 6;
+    const std::size_t count = channel_count(platform.type);
     const C3dParameter* parameter = find_parameter(file_.groups, "FORCE_PLATFORM", "CHANNEL");
     const std::vector<double> all = numbers("CHANNEL");
     const std::size_t stride = parameter && parameter->dimensions.size() > 1
@@ -161,13 +169,13 @@ class Finder {
     }
   }
 
-  // Channels of type 4 are volts, or what its calibration matrix makes newtons of. Where the unit
-  // says nothing, lengths are in the unit of points.
+  // Channels of types 4 to 7 are volts, or what their calibration matrix makes newtons of. Where
+  // the unit says nothing, lengths are in the unit of points.
   double si_factor(const ForcePlatform& platform, std::size_t k) const {
     const std::string& unit =
         file_.analog.units[static_cast<std::size_t>(platform.channels.back())];
     const bool moment = platform.type != 3 && k >= 3;
-    if (platform.type == 4) return 1.0;
+    if (platform.type >= 4) return 1.0;
     if (platform.type == 1 && k < 5 && moment) {  // a position
       return c3d::metres_per(unit).value_or(file_.metres_per_unit);
     }
@@ -186,7 +194,7 @@ class Finder {
       return;
     }
     platform.origin = Vector3d::Map(&origins_[3 * i]) * file_.metres_per_unit;
-    if (platform.type == 3) {
+    if (has_four_transducers(platform.type)) {
       platform.origin.z() = -std::abs(platform.origin.z());
       if (platform.origin.x() != 0.0 && platform.origin.y() != 0.0) return;
       platform.has_moments = false;
@@ -203,21 +211,25 @@ class Finder {
   void set_calibration(ForcePlatform& platform, std::size_t i) {
     const std::vector<double> all = numbers("CAL_MATRIX");
     const C3dParameter* parameter = find_parameter(file_.groups, "FORCE_PLATFORM", "CAL_MATRIX");
-    const bool square = parameter && parameter->dimensions.size() >= 2 &&
-                        parameter->dimensions[0] == 6 && parameter->dimensions[1] == 6;
-    if (all.empty()) {
+    const std::size_t columns = channel_count(platform.type);
+    const std::size_t rows = has_four_transducers(platform.type) ? columns : 6;
+    const bool fits = parameter && parameter->dimensions.size() >= 2 &&
+                      static_cast<std::size_t>(parameter->dimensions[0]) == rows &&
+                      static_cast<std::size_t>(parameter->dimensions[1]) == columns;
+    const auto r = static_cast<Eigen::Index>(rows), c = static_cast<Eigen::Index>(columns);
+    if (all.empty() && rows == columns) {
       warn(platform,
            "FORCE_PLATFORM:CAL_MATRIX is missing; its channels were taken as forces and "
            "moments");
-      platform.calibration = Eigen::MatrixXd::Identity(6, 6);
-    } else if (!square || all.size() < 36 * (i + 1)) {
-      platform.problem =
-          fmt::format("FORCE_PLATFORM:CAL_MATRIX has {} values, not 6 × 6 for it", all.size());
+      platform.calibration = Eigen::MatrixXd::Identity(r, c);
+    } else if (!fits || all.size() < rows * columns * (i + 1)) {
+      platform.problem = fmt::format("FORCE_PLATFORM:CAL_MATRIX has {} values, not {} × {} for it",
+                                     all.size(), rows, columns);
       return;
     } else {
-      platform.calibration = Eigen::MatrixXd::Map(&all[36 * i], 6, 6);
+      platform.calibration = Eigen::MatrixXd::Map(&all[rows * columns * i], r, c);
     }
-    platform.calibration.bottomRows(3) *= file_.metres_per_unit;
+    if (rows == 6) platform.calibration.bottomRows(3) *= file_.metres_per_unit;
     if (!platform.calibration.allFinite()) {
       platform.problem = "FORCE_PLATFORM:CAL_MATRIX holds what is no number";
     }

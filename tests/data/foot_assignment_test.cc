@@ -191,6 +191,26 @@ TEST(FootAssignment, ShortKnocksAndPullsAreNoSteps) {
   EXPECT_EQ(plates[0].force.row(1700).norm(), 0.0);
 }
 
+TEST(FootAssignment, UnusablePlatformsMayComeFirst) {
+  std::vector<ForcePlatformRecording> plates = {platform(1, 5.0, 0.0), platform(2, 0.0, 0.0)};
+  plates[0].platform.problem = "type 11 is not supported";
+  plates[0].platform.p_WC.setConstant(std::nan(""));
+  for (RowMatrix* table :
+       {&plates[0].force, &plates[0].moment, &plates[0].center, &plates[0].free_moment}) {
+    table->resize(0, 3);
+  }
+  press(plates[1], 0.5, 1.5, Vector3d(0.0, 0.0, 0.0));
+  finish(plates);
+  const FootAssignment assignment = assign(feet(kHeel, Vector3d(3, 0, 0), 0.0), plates);
+  ASSERT_EQ(assignment.contacts.size(), 1u);
+  EXPECT_EQ(assignment.contacts[0].plate, 1);
+  const TimeTable loads = foot_loads(assignment, plates);
+  ASSERT_EQ(loads.time.size(), kSamples);
+  EXPECT_FALSE(loads.values.hasNaN());
+  EXPECT_NEAR(loads.values.maxCoeff(), 700.0, 1.0);
+  EXPECT_TRUE(foot_loads(assignment, {plates[0]}).labels.empty());
+}
+
 TEST(FootAssignment, OverridesAreChecked) {
   for (const char* text :
        {"", "1", "x:right", "0:right", "1:", "1:right@", "1:right@2", "1:right@2-1"}) {

@@ -132,38 +132,92 @@ TEST(ForcePlatform, UnitsOfMomentsAreReadOrCorrected) {
   expect_loads(compute_forces(file_with(2, {2, -3, -40}, samples, wrong)), loads);
 }
 
-TEST(ForcePlatform, Type4CalibratesByColumns) {
-  const std::vector<Load> loads = random_loads();
-  std::mt19937 random(4);
-  std::uniform_real_distribution<float> uniform(-0.2f, 0.2f);
-  Eigen::Matrix<float, 6, 6> calibration;
-  for (float& value : calibration.reshaped()) value = uniform(random);
-  calibration.diagonal().array() += 2.0f;
-  const RowMatrix volts =
-      calibration.cast<double>().inverse().eval() * type2_samples(loads).transpose();
-  C3dFile file = file_with(4, {2, -3, -40}, volts.transpose(), std::vector<std::string>(6, "V"));
-  set_parameter(file.groups, "FORCE_PLATFORM",
-                C3dParameter::of_reals("CAL_MATRIX", {6, 6, 1},
-                                       {calibration.data(), calibration.data() + 36}));
-  expect_loads(compute_forces(file), loads);
-}
+// Half the distances of four transducers, and how deep they lie [m].
+constexpr double kA = 0.25, kB = 0.15, kDepth = 0.05;
+const std::vector<float> kTransducers = {250, 150, -50};
 
-TEST(ForcePlatform, Type3CombinesFourTransducers) {
-  // Forces of transducers at (±a, ±b, depth) below C, made to have the wrench of the load.
-  const double a = 0.25, b = 0.15, depth = 0.05;
-  const std::vector<Load> loads = random_loads();
+// fx12, fx34, fy14, fy23, fz1, ..., fz4 that have the wrench of each load.
+RowMatrix pairs_of(const std::vector<Load>& loads) {
   RowMatrix samples(static_cast<Eigen::Index>(loads.size()), 8);
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    const auto w = wrench_about(loads[i], kCenter + kAxes * Vector3d(0, 0, depth));
-    const double mx = 1e-3 * w[3] / b, my = 1e-3 * w[4] / a, mz = 1e-3 * w[5];
+    const auto w = wrench_about(loads[i], kCenter + kAxes * Vector3d(0, 0, kDepth));
+    const double mx = 1e-3 * w[3] / kB, my = 1e-3 * w[4] / kA, mz = 1e-3 * w[5];
     // The moment about z is left to the pair along x.
-    samples.row(static_cast<Eigen::Index>(i)) << 0.5 * (w[0] - mz / b), 0.5 * (w[0] + mz / b),
+    samples.row(static_cast<Eigen::Index>(i)) << 0.5 * (w[0] - mz / kB), 0.5 * (w[0] + mz / kB),
         0.5 * w[1], 0.5 * w[1], 0.25 * (w[2] + mx - my), 0.25 * (w[2] + mx + my),
         0.25 * (w[2] - mx + my), 0.25 * (w[2] - mx - my);
   }
+  return samples;
+}
+
+Eigen::MatrixXf random_calibration(int rows, int columns) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-0.05f, 0.05f);
+  Eigen::MatrixXf result(rows, columns);
+  for (float& value : result.reshaped()) value = uniform(random);
+  result.diagonal().array() += 2.0f;
+  return result;
+}
+
+// A file whose channels are volts that `calibration` makes `physical` of.
+C3dFile calibrated_file(int type, const std::vector<float>& origin, const RowMatrix& physical,
+                        const Eigen::MatrixXf& calibration) {
+  const Eigen::MatrixXd inverse =
+      calibration.cast<double>().completeOrthogonalDecomposition().pseudoInverse();
+  const RowMatrix volts = physical * inverse.transpose();
+  C3dFile file = file_with(type, origin, volts,
+                           std::vector<std::string>(static_cast<std::size_t>(volts.cols()), "V"));
+  set_parameter(file.groups, "FORCE_PLATFORM",
+                C3dParameter::of_reals(
+                    "CAL_MATRIX",
+                    {static_cast<int>(calibration.rows()), static_cast<int>(calibration.cols()), 1},
+                    {calibration.data(), calibration.data() + calibration.size()}));
+  return file;
+}
+
+TEST(ForcePlatform, Type3CombinesFourTransducers) {
+  const std::vector<Load> loads = random_loads();
   expect_loads(
-      compute_forces(file_with(3, {250, 150, -50}, samples, std::vector<std::string>(8, "N"))),
+      compute_forces(file_with(3, kTransducers, pairs_of(loads), std::vector<std::string>(8, "N"))),
       loads);
+}
+
+TEST(ForcePlatform, Type4CalibratesByColumns) {
+  const std::vector<Load> loads = random_loads();
+  expect_loads(compute_forces(calibrated_file(4, {2, -3, -40}, type2_samples(loads),
+                                              random_calibration(6, 6))),
+               loads);
+}
+
+TEST(ForcePlatform, Type5CalibratesEightChannelsToSix) {
+  const std::vector<Load> loads = random_loads();
+  expect_loads(compute_forces(calibrated_file(5, {2, -3, -40}, type2_samples(loads),
+                                              random_calibration(6, 8))),
+               loads);
+}
+
+TEST(ForcePlatform, Type6CombinesTwelveForces) {
+  const std::vector<Load> loads = random_loads();
+  const RowMatrix pairs = pairs_of(loads);
+  RowMatrix forces(pairs.rows(),
+                   12);  // fx1, fy1, fz1, fx2, ...; shares within a pair do not matter
+  forces << 0.3 * pairs.col(0), 0.6 * pairs.col(2), pairs.col(4), 0.7 * pairs.col(0),
+      0.9 * pairs.col(3), pairs.col(5), 0.2 * pairs.col(1), 0.1 * pairs.col(3), pairs.col(6),
+      0.8 * pairs.col(1), 0.4 * pairs.col(2), pairs.col(7);
+  expect_loads(compute_forces(calibrated_file(6, kTransducers, forces, random_calibration(12, 12))),
+               loads);
+}
+
+TEST(ForcePlatform, Type7CalibratesFourTransducers) {
+  const std::vector<Load> loads = random_loads();
+  expect_loads(
+      compute_forces(calibrated_file(7, kTransducers, pairs_of(loads), random_calibration(8, 8))),
+      loads);
+  const C3dFile bare =
+      file_with(7, kTransducers, pairs_of(loads), std::vector<std::string>(8, "N"));
+  expect_loads(compute_forces(bare), loads,
+               "0: force platform 1: FORCE_PLATFORM:CAL_MATRIX is missing; its channels were taken "
+               "as forces and moments\n");
 }
 
 TEST(ForcePlatform, Type1HoldsTheCenterItself) {
@@ -210,14 +264,22 @@ TEST(ForcePlatform, SaysWhyAPlatformCannotBeUsed) {
     EXPECT_EQ(platforms.warnings.size(), 1u);
     const ForcePlatformRecording& recording = platforms.recordings.at(0);
     EXPECT_FALSE(recording.platform.usable());
-    EXPECT_TRUE(std::isnan(recording.force(0, 0)));
+    EXPECT_EQ(recording.sample_count(), 0);
     return recording.platform.problem;
   };
   const auto set = [](C3dFile& file, C3dParameter parameter) {
     set_parameter(file.groups, "FORCE_PLATFORM", std::move(parameter));
   };
-  EXPECT_EQ(problem([&](C3dFile& file) { set(file, C3dParameter::of_integers("TYPE", {1}, {6})); }),
-            "type 6 is not supported; types 1 to 4 are");
+  EXPECT_EQ(
+      problem([&](C3dFile& file) { set(file, C3dParameter::of_integers("TYPE", {1}, {11})); }),
+      "type 11 is not supported; types 1 to 7 are");
+  EXPECT_EQ(problem([&](C3dFile& file) { set(file, C3dParameter::of_integers("TYPE", {1}, {5})); }),
+            "FORCE_PLATFORM:CHANNEL does not name its 8 channels");
+  EXPECT_EQ(problem([&](C3dFile& file) {
+              set(file, C3dParameter::of_integers("TYPE", {1}, {4}));
+              set(file, C3dParameter::of_reals("CAL_MATRIX", {6, 8, 1}, std::vector<float>(48)));
+            }),
+            "FORCE_PLATFORM:CAL_MATRIX has 48 values, not 6 × 6 for it");
   EXPECT_EQ(problem([&](C3dFile& file) {
               std::vector<float> corners = kCorners;
               corners[4] = 1e20f;
