@@ -196,8 +196,9 @@ void put_name(std::string& out, const std::string& name, bool locked, int id) {
   out += cut;
 }
 
+// The length is a byte, but programs are about that take it for a signed one and lose their way.
 void put_description(std::string& out, const std::string& description) {
-  const std::string cut = description.substr(0, 255);
+  const std::string cut = description.substr(0, 127);
   out += static_cast<char>(cut.size());
   out += cut;
 }
