@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "data/open_end.h"
 #include "data/output_file.h"
 #include "data/text.h"
 
@@ -215,6 +216,7 @@ TimeTableFile read_csv(const std::filesystem::path& path) {
   Parser parser(file.path, *labels);
   while (const std::optional<text::Line> line = lines.next_filled()) parser.parse(*line);
   parser.fill(file);
+  warn_of_open_end(file.path, content, file.warnings);
   return file;
 }
 

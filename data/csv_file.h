@@ -10,8 +10,8 @@ namespace sinew {
 /// Reads a table of comma-separated values (RFC 4180; semicolons and tabs are told from the first
 /// line, and a comma is then taken as the decimal point). The first line holds the labels; one
 /// column is the time in seconds: `time`, `t`, `time_s` or `time [s]`, in any case. Blank cells are
-/// NaN. A UTF-8 byte order mark is skipped.
-/// Warns where cells are blank or labels repeat. Throws InputError, naming line and column, for no,
+/// NaN. A UTF-8 byte order mark is skipped. Warns where cells are blank, labels repeat or the last
+/// row has no line end. Throws InputError, naming line and column, for no,
 /// empty or binary file, no or two time columns, a row that does not fit the labels, a value that
 /// is no number, decreasing time, an open quote. O(bytes).
 TimeTableFile read_csv(const std::filesystem::path& path);

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "data/open_end.h"
 #include "data/output_file.h"
 #include "data/storage_header.h"
 #include "data/text.h"
@@ -251,6 +252,7 @@ TimeTableFile read_storage(const std::filesystem::path& path) {
   warn_of_promises(header, columns.labels.size(), file.table.time.size(), file);
   warn_of_duplicates(columns.line, file);
   rows.add_warnings(file.warnings);
+  warn_of_open_end(file.path, content, file.warnings);
   return file;
 }
 

@@ -13,10 +13,10 @@ namespace sinew {
 /// Tables of vectors (DataType=Vec3, SpatialVec, ...) come out flat, with OpenSim's suffixes.
 /// Blank cells between tabs are NaN.
 /// Warns where: a row or column count disagrees with the header, labels or time stamps repeat,
-/// cells are blank. Throws InputError for: no such file, empty or binary file, a header count or
-/// inDegrees that says nothing, an unknown DataType, no `endheader`, no column line, no `time`
-/// column or two of them, a torn row, a value that is no number, decreasing time.
-/// O(bytes) in time and memory, whatever the header promises.
+/// cells are blank, the last row has no end. Throws InputError for: no such file, empty or binary
+/// file, a header count or inDegrees that says nothing, an unknown DataType, no `endheader`, no
+/// column line, no `time` column or two of them, a torn row, a value that is no number, decreasing
+/// time. O(bytes) in time and memory, whatever the header promises.
 TimeTableFile read_storage(const std::filesystem::path& path);
 
 /// Only the column labels that read_storage would give. Throws as read_storage does for the header

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "data/open_end.h"
 #include "data/output_file.h"
 #include "data/text.h"
 #include "data/trc_header.h"
@@ -302,6 +303,7 @@ MarkerFile read_trc(const std::filesystem::path& path) {
   rows.fill(file.markers);
   warn_of_header(header, file);
   rows.add_warnings(file.warnings);
+  warn_of_open_end(file.path, content, file.warnings);
   return file;
 }
 

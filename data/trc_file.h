@@ -17,7 +17,7 @@ namespace sinew {
 /// measured, NaN, where a coordinate is blank or NaN in any case, and at exactly 0, 0, 0.
 /// Warns where: NumFrames, NumMarkers or DataRate disagree with the file, markers have no name
 /// (unnamed_1, ...) or an earlier one's (NAME_2, ...), names have no coordinates, samples are
-/// at 0, 0, 0 or incomplete, rows end early at a whole marker.
+/// at 0, 0, 0 or incomplete, rows end early at a whole marker, the last one has no end.
 /// Throws InputError for what cannot be used: no, empty, binary or cut file, a header without
 /// DataRate, NumFrames, NumMarkers or known Units, names that fit no coordinates, no frames, a torn
 /// row, a value that is no number, time that does not increase.

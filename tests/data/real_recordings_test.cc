@@ -127,11 +127,20 @@ TEST_F(RealRecordings, EveryTrcFileRoundTrips) {
   for (const fs::path& path : paths) {
     SCOPED_TRACE(path);
     const MarkerFile file = read_trc(path);
-    EXPECT_EQ(file.warnings.size(), path.filename() == "std_walking2_markers.trc" ? 1u : 0u)
-        << to_text(file.warnings);
+    // One promises other counts, two have no end of their last row.
+    const bool odd = path.filename() == "std_walking2_markers.trc" ||
+                     path.filename() == "dataWithBlanksForMissingMarkers.trc" ||
+                     path.filename() == "exampleFormat.trc";
+    EXPECT_EQ(file.warnings.size(), odd ? 1u : 0u) << to_text(file.warnings);
     write_trc(folder.path() / "t.trc", file.markers);
     const MarkerTrajectories back = read_trc(folder.path() / "t.trc").markers;
     EXPECT_EQ(back.names, file.markers.names);
+    EXPECT_EQ(back.rate, file.markers.rate);
+    EXPECT_EQ(back.frame_numbers, file.markers.frame_numbers);
+    // The file's own name stands in it.
+    write_trc(folder.path() / "again/t.trc", back);
+    EXPECT_EQ(content_of(folder.path() / "t.trc") == content_of(folder.path() / "again/t.trc"),
+              true);
     EXPECT_TRUE(identical(back.time, file.markers.time));
     EXPECT_TRUE(identical(back.p_WM, file.markers.p_WM));
   }
