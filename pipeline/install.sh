@@ -5,6 +5,7 @@ set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build ccache git clang-format
+  clang libclang-rt-14-dev
   libsimbody-dev libeigen3-dev libsundials-dev libpugixml-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libtbb-dev libssl-dev libgtest-dev libbenchmark-dev
 )
