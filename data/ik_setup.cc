@@ -98,8 +98,10 @@ std::vector<pugi::xml_node> field_nodes(const XmlFile& xml, pugi::xml_node tool,
   return nodes;
 }
 
+}  // namespace
+
 // A task set stands in the tool or in a file of its own, which cannot name a third.
-IkTaskSet find_task_set(const XmlFile& xml, SetupFields& fields, pugi::xml_node tool) {
+IkTaskSet read_tasks_of(const XmlFile& xml, SetupFields& fields, pugi::xml_node tool) {
   pugi::xml_node set = fields.find("IKTaskSet");
   if (!set) {
     xml.fail(tool, {"the tool has no <IKTaskSet>", "tasks that say which markers to track", "",
@@ -118,6 +120,8 @@ IkTaskSet find_task_set(const XmlFile& xml, SetupFields& fields, pugi::xml_node 
   const XmlFile tasks(path);
   return parse_task_set(tasks, find_tool(tasks, {"IKTaskSet"}));
 }
+
+namespace {
 
 IkSetup parse_setup(const XmlFile& xml) {
   IkSetup setup;
@@ -145,7 +149,7 @@ IkSetup parse_setup(const XmlFile& xml) {
     xml.fail(fields.find("accuracy"), {"<accuracy> is no accuracy", "a number above 0",
                                        fields.text("accuracy"), "Correct the value."});
   }
-  setup.task_set = find_task_set(xml, fields, tool);
+  setup.task_set = read_tasks_of(xml, fields, tool);
   return setup;
 }
 

@@ -40,6 +40,10 @@ class SetupFields {
   SetupLines& lines_;
 };
 
+/// The <IKTaskSet> of a tool, which may stand in a file of its own. Throws InputError if the tool
+/// has none or the file does not exist.
+IkTaskSet read_tasks_of(const XmlFile& xml, SetupFields& fields, pugi::xml_node tool);
+
 /// A path as a setup file has it, made absolute against the folder of `setup_path`.
 std::filesystem::path resolve_setup_path(const std::string& text,
                                          const std::filesystem::path& setup_path);

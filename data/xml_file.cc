@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "data/input_file.h"
@@ -73,17 +74,23 @@ int depth_of(pugi::xml_node root) {
 
 }  // namespace
 
-XmlFile::XmlFile(const std::filesystem::path& path)
+XmlFile::XmlFile(const std::filesystem::path& path, Keep keep)
     : path_(path.string()), content_(read_file(path, kMaxXmlBytes)) {
-  parse();
+  parse(keep);
 }
 
-XmlFile::XmlFile(std::string name, std::string content)
+XmlFile::XmlFile(std::string name, std::string content, Keep keep)
     : path_(std::move(name)), content_(std::move(content)) {
-  parse();
+  parse(keep);
 }
 
-void XmlFile::parse() {
+std::string XmlFile::to_string() const {
+  std::ostringstream out;
+  document_.save(out, "", pugi::format_raw | pugi::format_no_declaration, pugi::encoding_utf8);
+  return out.str();
+}
+
+void XmlFile::parse(Keep keep) {
   line_starts_.push_back(0);
   for (std::size_t i = 0; i < content_.size(); ++i) {
     if (content_[i] == '\n') line_starts_.push_back(i + 1);
@@ -91,8 +98,11 @@ void XmlFile::parse() {
   if (trimmed(content_).empty()) {
     throw InputError({path_}, {"is empty", "an XML document", "", "Was it written completely?"});
   }
-  const pugi::xml_parse_result result = document_.load_buffer(
-      content_.data(), content_.size(), pugi::parse_default, pugi::encoding_utf8);
+  const unsigned flags = keep == Keep::kElements ? pugi::parse_default
+                                                 : (pugi::parse_full | pugi::parse_ws_pcdata) &
+                                                       ~static_cast<unsigned>(pugi::parse_eol);
+  const pugi::xml_parse_result result =
+      document_.load_buffer(content_.data(), content_.size(), flags, pugi::encoding_utf8);
   if (!result && !only_closing_tags_left(result)) {
     const auto offset = static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0));
     const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);

@@ -17,12 +17,20 @@ namespace sinew {
 /// `HuntCrossleyForce::ContactParameters` are accepted as OpenSim accepts them.
 class XmlFile {
  public:
+  enum class Keep {
+    kElements,    // what readers need
+    kEverything,  // comments, white space and line endings too, so that to_string() gives them back
+  };
+
   /// Throws InputError if the file is missing, empty, over 256 MiB, or not XML.
-  explicit XmlFile(const std::filesystem::path& path);
+  explicit XmlFile(const std::filesystem::path& path, Keep keep = Keep::kElements);
   /// Parses `content` as if it had been read from `name`.
-  XmlFile(std::string name, std::string content);
+  XmlFile(std::string name, std::string content, Keep keep = Keep::kElements);
 
   pugi::xml_node root() const { return document_.document_element(); }
+  /// The document with all changes made through its nodes. Of Keep::kEverything what was not
+  /// changed stays as it was read, but for the spelling of entities and of empty elements.
+  std::string to_string() const;
   const std::string& path() const { return path_; }
   SourceLocation location(pugi::xml_node node) const;
 
@@ -46,7 +54,7 @@ class XmlFile {
   [[noreturn]] void fail(pugi::xml_node node, InputError::Parts parts) const;
 
  private:
-  void parse();
+  void parse(Keep keep);
   bool only_closing_tags_left(const pugi::xml_parse_result& result) const;
 
   std::string path_;

@@ -8,10 +8,6 @@
 #include "model/osim_reader.h"
 
 namespace sinew::osim {
-namespace {
-
-constexpr std::array<const char*, 6> kOldInertia = {"inertia_xx", "inertia_yy", "inertia_zz",
-                                                    "inertia_xy", "inertia_xz", "inertia_yz"};
 
 std::array<double, 6> read_inertia_components(const XmlFile& xml, pugi::xml_node node) {
   std::array<double, 6> components{};
@@ -30,6 +26,8 @@ std::array<double, 6> read_inertia_components(const XmlFile& xml, pugi::xml_node
   }
   return components;
 }
+
+namespace {
 
 // Moments of a real body are positive and none exceeds the sum of the others. Simbody insists on
 // it; OpenSim's releases compute with whatever stands in the file. The inertia returned is one that

@@ -43,6 +43,9 @@ std::string component_name(std::string name);
 void require_component_name(const std::string& what, const std::string& name,
                             const SourceLocation& source);
 
+/// A marker as version 4 has it.
+void append_marker(pugi::xml_node objects, const MusculoskeletalModel& model, const Marker& marker);
+
 void append_joints(pugi::xml_node model_node, const MusculoskeletalModel& model);
 void append_forces(pugi::xml_node model_node, const MusculoskeletalModel& model);
 

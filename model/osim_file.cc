@@ -85,6 +85,8 @@ void check_units(const XmlFile& xml, pugi::xml_node model, const char* name,
                                "Scale the model to SI units."});
 }
 
+}  // namespace
+
 MusculoskeletalModel read_document(const XmlFile& xml) {
   const int version = read_version(xml);
   Reader reader(xml);
@@ -115,7 +117,6 @@ MusculoskeletalModel read_document(const XmlFile& xml) {
   return std::move(reader.model);
 }
 
-}  // namespace
 }  // namespace osim
 
 MusculoskeletalModel read_osim(const std::filesystem::path& path) {

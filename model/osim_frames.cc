@@ -40,8 +40,8 @@ void FrameTable::add_frames(const std::string& owner_name, const std::string& en
     const std::string_view class_name = child.name();
     if (is_frame(class_name)) {
       const std::string key = owner_name + "/" + name_of(child);
+      if (!by_path_.contains(key)) by_last_name_[name_of(child)].push_back(key);
       by_path_[key] = {owner_name, enclosing, child, -1};
-      by_last_name_[name_of(child)].push_back(key);
       add_frames(owner_name, name_of(child), child);
     } else if (class_name == "Station") {
       add_station(name_of(child), child);

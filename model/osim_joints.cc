@@ -262,37 +262,40 @@ Coordinate::Motion custom_motion(const Joint& joint, int coordinate) {
   return used ? motion : Coordinate::Motion::kRotational;
 }
 
-std::vector<std::pair<std::string, pugi::xml_node>> transform_axes(Reader& reader,
-                                                                   const RawJoint& raw) {
+}  // namespace
+
+std::array<pugi::xml_node, 6> transform_axes(const XmlFile& xml, pugi::xml_node joint) {
   static constexpr const char* kNames[] = {"rotation1",    "rotation2",    "rotation3",
                                            "translation1", "translation2", "translation3"};
-  std::vector<std::pair<std::string, pugi::xml_node>> axes(6);
-  const pugi::xml_node transform = raw.node.child("SpatialTransform");
+  std::array<pugi::xml_node, 6> axes;
+  const pugi::xml_node transform = joint.child("SpatialTransform");
   if (transform) {
     int position = 0;
     for (const pugi::xml_node axis : transform.children("TransformAxis")) {
       const std::string name = name_of(axis);
       const auto* named = std::find(std::begin(kNames), std::end(kNames), name);
       const auto slot = named != std::end(kNames) ? named - std::begin(kNames) : position;
-      if (slot < 6) axes[static_cast<std::size_t>(slot)] = {kNames[slot], axis};
+      if (slot < 6) axes[static_cast<std::size_t>(slot)] = axis;
       ++position;
     }
     return axes;
   }
   // Before version 10901: a list of axes, each saying whether it turns.
   std::size_t next_rotation = 0, next_translation = 3;
-  for (const pugi::xml_node axis : set_members(raw.node, "TransformAxisSet")) {
+  for (const pugi::xml_node axis : set_members(joint, "TransformAxisSet")) {
     std::size_t& next =
-        reader.xml.boolean(axis, "is_rotation").value_or(false) ? next_rotation : next_translation;
+        xml.boolean(axis, "is_rotation").value_or(false) ? next_rotation : next_translation;
     if (next_rotation > 3 || next_translation > 6) {
-      reader.xml.fail(axis, {"more than three axes of a kind in one joint", "3 at most", "",
-                             "Split the joint in two with a massless body between."});
+      xml.fail(axis, {"more than three axes of a kind in one joint", "3 at most", "",
+                      "Split the joint in two with a massless body between."});
     }
-    axes[next] = {kNames[next], axis};
+    axes[next] = axis;
     ++next;
   }
   return axes;
 }
+
+namespace {
 
 void read_axis(Reader& reader, Joint& joint, std::size_t slot, pugi::xml_node node,
                const std::function<int(const std::string&)>& coordinate_named) {
@@ -329,15 +332,14 @@ bool collinear_axes(const TransformAxis& a, const TransformAxis& b) {
 
 // An axis that the file leaves out moves nothing, but
 // Simbody wants it independent of the others.
-void choose_free_axis(Joint& joint, const std::vector<std::pair<std::string, pugi::xml_node>>& axes,
-                      std::size_t slot) {
+void choose_free_axis(Joint& joint, const std::array<pugi::xml_node, 6>& axes, std::size_t slot) {
   const std::size_t first = slot < 3 ? 0 : 3;
   for (std::size_t k = 0; k < 3; ++k) {
     TransformAxis& axis = joint.axes[slot];
     axis.axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>((slot + k) % 3));
     bool independent = true;
     for (std::size_t other = first; other < first + 3; ++other) {
-      const bool taken = other < slot || axes[other].second;
+      const bool taken = other < slot || axes[other];
       if (other != slot && taken && collinear_axes(axis, joint.axes[other])) independent = false;
     }
     if (independent) return;
@@ -435,14 +437,14 @@ void set_motions(Reader& reader, const Joint& joint) {
 
 void read_custom_joint(Reader& reader, RawJoint& raw, JointCoordinates& coordinates) {
   Joint& joint = raw.joint;
-  const auto axes = transform_axes(reader, raw);
+  const auto axes = transform_axes(reader.xml, raw.node);
   for (std::size_t i = 0; i < 6; ++i) {
-    if (!axes[i].second) continue;
-    read_axis(reader, joint, i, axes[i].second,
+    if (!axes[i]) continue;
+    read_axis(reader, joint, i, axes[i],
               [&](const std::string& name) { return coordinates.find_or_add(name); });
   }
   for (std::size_t i = 0; i < 6; ++i) {
-    if (!axes[i].second) choose_free_axis(joint, axes, i);
+    if (!axes[i]) choose_free_axis(joint, axes, i);
   }
   require_independent_axes(reader, raw);
   require_at_most_six(reader, raw);

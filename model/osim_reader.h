@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,7 +29,7 @@ class FrameTable {
   /// Gives a registered body its final index.
   void set_body(const std::string& name, int body) { by_path_.at(name).body = body; }
   /// Registers every offset and station-defined frame below `owner` (a Body, Ground, Joint,
-  /// constraint or the Model), under `owner_name/frame_name`.
+  /// constraint or the Model), under `owner_name/frame_name`. Doing so twice changes nothing.
   void add_frames(const std::string& owner_name, pugi::xml_node owner) {
     add_frames(owner_name, owner_name, owner);
   }
@@ -85,6 +86,18 @@ ScalarFunction read_function(const XmlFile& xml, pugi::xml_node element);
 /// The function that `parent` holds: in <wrapper> where it has one, else directly.
 std::optional<ScalarFunction> find_function(const XmlFile& xml, pugi::xml_node parent,
                                             const char* wrapper);
+
+/// Reads the whole model of a document.
+MusculoskeletalModel read_document(const XmlFile& xml);
+
+/// The axes of a custom joint, rotation1 to translation3; null where the file leaves one out.
+std::array<pugi::xml_node, 6> transform_axes(const XmlFile& xml, pugi::xml_node joint);
+
+/// A body's inertia before version 4, an element a component.
+inline constexpr std::array<const char*, 6> kOldInertia = {
+    "inertia_xx", "inertia_yy", "inertia_zz", "inertia_xy", "inertia_xz", "inertia_yz"};
+/// Ixx Iyy Izz Ixy Ixz Iyz as a <Body> has them; zero where it has none.
+std::array<double, 6> read_inertia_components(const XmlFile& xml, pugi::xml_node node);
 
 void read_bodies(Reader& reader);
 void read_joints(Reader& reader);

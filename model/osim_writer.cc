@@ -77,14 +77,20 @@ void append_markers(pugi::xml_node model_node, const MusculoskeletalModel& model
   pugi::xml_node set = append_set(model_node, "MarkerSet");
   for (const Marker& marker : model.markers) {
     require_component_name("a marker", marker.name, marker.source);
-    pugi::xml_node node = append_object(set, "Marker", marker.name);
-    append_text(node, "socket_parent_frame", body_path(model, marker.body));
-    append_vector(node, "location", marker.p_BM);
-    append_boolean(node, "fixed", marker.fixed);
+    append_marker(set, model, marker);
   }
 }
 
 }  // namespace
+
+void append_marker(pugi::xml_node objects, const MusculoskeletalModel& model,
+                   const Marker& marker) {
+  pugi::xml_node node = append_object(objects, "Marker", marker.name);
+  append_text(node, "socket_parent_frame", body_path(model, marker.body));
+  append_vector(node, "location", marker.p_BM);
+  append_boolean(node, "fixed", marker.fixed);
+}
+
 }  // namespace osim
 
 std::string write_osim(const MusculoskeletalModel& model) {

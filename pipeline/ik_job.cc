@@ -26,9 +26,9 @@ std::string to_text(const TimeRange& range) {
   return fmt::format("{:.6g} s to {:.6g} s", *range.from, *range.to);
 }
 
-// Values of a coordinate file at the recording's times; NaN outside the file and for coordinates
-// that it does not have.
-RowMatrix values_at(const Eigen::VectorXd& time, const CoordinateTable& table) {
+}  // namespace
+
+RowMatrix coordinate_values_at(const Eigen::VectorXd& time, const CoordinateTable& table) {
   const CoordinateSpline spline(table.time, table.q);
   RowMatrix values = RowMatrix::Constant(time.size(), table.q.cols(), kNaN);
   std::vector<double> q(static_cast<std::size_t>(spline.size()));
@@ -43,8 +43,6 @@ RowMatrix values_at(const Eigen::VectorXd& time, const CoordinateTable& table) {
   }
   return values;
 }
-
-}  // namespace
 
 InputFiles input_files(const IkInputs& inputs) {
   return {{"model", inputs.model_file},
@@ -64,7 +62,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
   if (!inputs.coordinate_file.empty()) {
     const CoordinateTable table = coordinate_table(job.model, read_storage(inputs.coordinate_file));
     append(job.warnings, table.warnings);
-    values = values_at(job.recording.markers.time, table);
+    values = coordinate_values_at(job.recording.markers.time, table);
   }
   if (inputs.tasks) append(job.warnings, inputs.tasks->warnings);
   BindingOptions binding;

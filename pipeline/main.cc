@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
     sinew::add_bench_command(app, exit_code);
     sinew::add_convert_command(app, exit_code);
     sinew::add_model_command(app, exit_code);
+    sinew::add_scale_command(app, exit_code);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);

@@ -1,0 +1,421 @@
+#include "ik/auto_scale.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "ik/auto_scale_parameters.h"
+#include "ik/residual_rows.h"
+#include "ik/tracking.h"
+#include "model/scale_measurements.h"
+
+namespace sinew {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The frames of one trial that are fitted.
+struct Sample {
+  MarkerFile file;
+  double weight = 0.0;  // w/σ² of every frame [1/m²]
+};
+
+// One frame of one sample, and its pose, from which the next search starts.
+struct Frame {
+  std::size_t sample = 0;
+  int index = 0;
+  std::vector<double> q;
+};
+
+// A model compiled and bound to all samples.
+struct Compiled {
+  MusculoskeletalModel model;
+  KinematicTree tree;
+  std::vector<TrackingProblem> problems;  // samples
+
+  Compiled(MusculoskeletalModel scaled, const std::vector<Sample>& samples)
+      : model(std::move(scaled)), tree(compile_tree(model)) {
+    BindingOptions options;
+    options.wires.use = WireOptions::Use::kNone;  // how long muscles are is not known yet
+    for (const Sample& sample : samples) {
+      problems.push_back(bind_recording(model, tree, sample.file, nullptr, nullptr, options));
+    }
+  }
+};
+
+Sample take_frames(const AutoScaleTrial& trial, const AutoScaleOptions& options) {
+  const MarkerTrajectories& all = trial.recording->markers;
+  const auto [first, last] = frames_around(all, trial.from, trial.to);
+  const int available = last - first + 1, count = std::min(options.frames, available);
+  Sample sample;
+  sample.file.path = trial.recording->path;
+  MarkerTrajectories& markers = sample.file.markers;
+  markers.names = all.names;
+  markers.rate = all.rate;
+  markers.time.resize(count);
+  markers.p_WM.resize(count, all.p_WM.cols());
+  for (int i = 0; i < count; ++i) {
+    const int frame =
+        count == 1
+            ? first
+            : first + static_cast<int>(std::llround(double(i) * (available - 1) / (count - 1)));
+    markers.frame_numbers.push_back(all.frame_numbers[static_cast<std::size_t>(frame)]);
+    markers.time[i] = all.time[frame];
+    markers.p_WM.row(i) = all.p_WM.row(frame);
+  }
+  sample.weight =
+      std::min(1.0, options.independent_frames / count) / (options.marker_sd * options.marker_sd);
+  return sample;
+}
+
+class AutoScaler {
+ public:
+  AutoScaler(const MusculoskeletalModel& model, const std::vector<AutoScaleTrial>& trials,
+             const AutoScaleOptions& options)
+      : model_(model), options_(options), result_(model) {
+    for (const AutoScaleTrial& trial : trials) samples_.push_back(take_frames(trial, options));
+  }
+
+  AutoScaleResult run();
+
+ private:
+  void start();
+  std::vector<int> tracked_markers(const Compiled& compiled) const;
+  double fit_poses(const Compiled& compiled, std::vector<Frame>& frames) const;
+  double prior(const VectorXd& theta) const { return 0.5 * theta.dot(precision_ * theta); }
+  void linearize(const Compiled& compiled, const VectorXd& theta);
+  MatrixXd frame_jacobian(const std::vector<Compiled>& perturbed, const Compiled& compiled,
+                          const Frame& frame, const VectorXd& theta, ResidualRows& rows) const;
+  void add_frame(const Compiled& compiled, const Frame& frame, const ResidualRows& rows,
+                 const MatrixXd& J);
+  bool step(VectorXd& theta);
+  double rms(const Compiled& compiled, const std::vector<Frame>& frames) const;
+  void finish(const VectorXd& theta);
+  void describe(const VectorXd& theta);
+
+  template <typename Body>
+  void parallel(std::size_t count, const Body& body) const {
+    const int threads = options_.threads == 0 ? tbb::info::default_concurrency() : options_.threads;
+    const tbb::global_control allowed(
+        tbb::global_control::max_allowed_parallelism,
+        static_cast<std::size_t>(std::max(threads, tbb::info::default_concurrency())));
+    tbb::task_arena arena(threads);
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, body); });
+  }
+
+  const MusculoskeletalModel& model_;
+  const AutoScaleOptions& options_;
+  std::vector<Sample> samples_;
+  std::vector<Frame> frames_;
+  AutoScaleParameters parameters_;
+  MatrixXd precision_;  // P⁻¹
+  MatrixXd N_;          // curvature of the data's part
+  VectorXd g_;          // gradient of F
+  double F_ = kNaN;
+  AutoScaleResult result_;
+};
+
+std::vector<int> AutoScaler::tracked_markers(const Compiled& compiled) const {
+  std::set<int> tracked;
+  for (const TrackingProblem& problem : compiled.problems) {
+    for (const TrackedMarker& marker : problem.markers) tracked.insert(marker.model);
+  }
+  return {tracked.begin(), tracked.end()};
+}
+
+// Poses with the model as it is, from the default pose.
+void AutoScaler::start() {
+  const Compiled compiled(model_, samples_);
+  TrackingOptions tracking;
+  tracking.minimizer = options_.minimizer;
+  tracking.threads = options_.threads;
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const TrackingProblem& problem = compiled.problems[s];
+    result_.warnings.insert(result_.warnings.end(), problem.warnings.begin(),
+                            problem.warnings.end());
+    const TrackingResult poses =
+        track(model_, compiled.tree, problem, samples_[s].file.markers, tracking);
+    for (int i = 0; i < static_cast<int>(poses.frames.size()); ++i) {
+      Frame frame{s, i, compiled.tree.default_q};
+      for (std::size_t c = 0; c < compiled.tree.q_of_coordinate.size(); ++c) {
+        frame.q[static_cast<std::size_t>(compiled.tree.q_of_coordinate[c])] =
+            poses.coordinates(i, static_cast<Eigen::Index>(c));
+      }
+      if (poses.frames[static_cast<std::size_t>(i)].measured_markers > 0) frames_.push_back(frame);
+    }
+  }
+  result_.frames = static_cast<int>(frames_.size());
+  parameters_ = choose_parameters(model_, tracked_markers(compiled), options_);
+  precision_ = parameters_.prior_precision();
+  F_ = fit_poses(compiled, frames_);
+  result_.rms_before = rms(compiled, frames_);
+}
+
+// The data's part of F; each frame's pose is searched from where it was. Frames are summed in their
+// order, so that the sum does not depend on the threads.
+double AutoScaler::fit_poses(const Compiled& compiled, std::vector<Frame>& frames) const {
+  std::vector<double> costs(frames.size());
+  constexpr std::size_t kBlock = 8;  // frames that share a solver
+  parallel((frames.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    std::optional<Minimizer> minimizer;
+    std::size_t bound = samples_.size();  // the sample that the solver is for
+    for (std::size_t i = block * kBlock; i < std::min(frames.size(), (block + 1) * kBlock); ++i) {
+      Frame& frame = frames[i];
+      const TrackingProblem& problem = compiled.problems[frame.sample];
+      const MarkerTrajectories& markers = samples_[frame.sample].file.markers;
+      if (bound != frame.sample) {
+        minimizer.emplace(compiled.tree, problem.problem, options_.minimizer);
+        bound = frame.sample;
+      }
+      IkTargets targets(problem.problem);
+      set_targets(problem, markers, frame.index, targets);
+      prescribe(compiled.tree, markers.time[frame.index], frame.q);
+      costs[i] = samples_[frame.sample].weight * minimizer->minimize(targets, frame.q).final_cost;
+    }
+  });
+  double sum = 0.0;
+  for (const double cost : costs) sum += cost;
+  return sum;
+}
+
+double AutoScaler::rms(const Compiled& compiled, const std::vector<Frame>& frames) const {
+  double sum = 0.0;
+  int count = 0;
+  KinematicWorkspace ws(compiled.tree);
+  for (const Frame& frame : frames) {
+    std::copy(frame.q.begin(), frame.q.end(), ws.q.begin());
+    update_poses(compiled.tree, ws);
+    const TrackingProblem& problem = compiled.problems[frame.sample];
+    for (std::size_t i = 0; i < problem.markers.size(); ++i) {
+      const PositionResidual& r = problem.problem.positions[i];
+      const double error =
+          (samples_[frame.sample].file.markers.position(frame.index, problem.markers[i].recorded) -
+           ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP)
+              .squaredNorm();
+      if (std::isnan(error)) continue;
+      sum += error;
+      ++count;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+// ∂b/∂θ of one frame. Residuals are linear in the factors at a given pose, so differences with the
+// factor raised by 1 are exact, and ∂/∂log f = f ∂/∂f.
+MatrixXd AutoScaler::frame_jacobian(const std::vector<Compiled>& perturbed,
+                                    const Compiled& compiled, const Frame& frame,
+                                    const VectorXd& theta, ResidualRows& rows) const {
+  const TrackingProblem& tracking = compiled.problems[frame.sample];
+  const MarkerTrajectories& markers = samples_[frame.sample].file.markers;
+  IkTargets targets(tracking.problem);
+  set_targets(tracking, markers, frame.index, targets);
+  KinematicWorkspace ws(compiled.tree);
+  std::copy(frame.q.begin(), frame.q.end(), ws.q.begin());
+  update_kinematics(compiled.tree, ws);
+  rows.update(compiled.tree, tracking.problem, targets, ws);
+  MatrixXd J = MatrixXd::Zero(rows.count, parameters_.count());
+  ResidualRows raised(compiled.tree, tracking.problem);
+  KinematicWorkspace raised_ws(compiled.tree);
+  for (int k = 0; k < parameters_.factor_count(); ++k) {
+    const Compiled& other = perturbed[static_cast<std::size_t>(k)];
+    std::copy(frame.q.begin(), frame.q.end(), raised_ws.q.begin());
+    update_kinematics(other.tree, raised_ws);
+    raised.update(other.tree, other.problems[frame.sample].problem, targets, raised_ws);
+    J.col(k) = std::exp(theta[k]) * (raised.b.head(rows.count) - rows.b.head(rows.count));
+  }
+  // Position rows come first, three a measured marker, with weight 1.
+  int row = 0;
+  for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
+    if (std::isnan(targets.positions[i].x())) continue;
+    const auto free = std::find(parameters_.free_markers.begin(), parameters_.free_markers.end(),
+                                tracking.markers[i].model);
+    if (free != parameters_.free_markers.end()) {
+      const auto at = static_cast<std::size_t>(free - parameters_.free_markers.begin());
+      J.block<3, 3>(row, parameters_.offset_of(at)) =
+          -ws.X_WB[static_cast<std::size_t>(tracking.problem.positions[i].link)].R;
+    }
+    row += 3;
+  }
+  return J;
+}
+
+// The pose is eliminated: Jᵀ(E − A A⁺)J, A the Jacobian of the unknowns that no bound holds.
+void AutoScaler::add_frame(const Compiled& compiled, const Frame& frame, const ResidualRows& rows,
+                           const MatrixXd& J) {
+  const KinematicTree& tree = compiled.tree;
+  std::vector<int> free;
+  for (int x = 0; x < tree.unknown_count(); ++x) {
+    const auto i = static_cast<std::size_t>(x);
+    const int q = tree.q_of_v[static_cast<std::size_t>(tree.unknown_v[i])];
+    const double value = q < 0 ? 0.0 : frame.q[static_cast<std::size_t>(q)];
+    if (value > tree.lower[i] && value < tree.upper[i]) free.push_back(x);
+  }
+  const MatrixXd A = rows.A.topRows(rows.count)(Eigen::all, free);
+  // What no marker of this frame determines gets a curvature of 1e-9 of the largest, and so takes
+  // no part.
+  MatrixXd H = A.transpose() * A;
+  if (H.size() > 0) H.diagonal().array() += 1e-9 * H.diagonal().maxCoeff();
+  const MatrixXd AJ = A.transpose() * J;
+  const double weight = samples_[frame.sample].weight;
+  N_ += weight * (J.transpose() * J - AJ.transpose() * H.ldlt().solve(AJ));
+  g_ += weight * (J.transpose() * rows.b.head(rows.count));
+}
+
+void AutoScaler::linearize(const Compiled& compiled, const VectorXd& theta) {
+  const int k = parameters_.factor_count();
+  std::vector<Compiled> perturbed;
+  perturbed.reserve(static_cast<std::size_t>(k));
+  for (int i = 0; i < k; ++i) {
+    VectorXd raised = theta;
+    raised[i] = std::log(std::exp(theta[i]) + 1.0);
+    perturbed.emplace_back(parameters_.apply(model_, raised), samples_);
+  }
+  N_ = MatrixXd::Zero(parameters_.count(), parameters_.count());
+  g_ = precision_ * theta;
+  // Blocks bound the memory; their frames are added in order, whatever thread made them.
+  constexpr std::size_t kBlock = 16;
+  for (std::size_t begin = 0; begin < frames_.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, frames_.size() - begin);
+    std::vector<MatrixXd> J(count);
+    std::vector<ResidualRows> rows;
+    for (std::size_t i = 0; i < count; ++i) {
+      rows.emplace_back(compiled.tree, compiled.problems[frames_[begin + i].sample].problem);
+    }
+    parallel(count, [&](std::size_t i) {
+      J[i] = frame_jacobian(perturbed, compiled, frames_[begin + i], theta, rows[i]);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      add_frame(compiled, frames_[begin + i], rows[i], J[i]);
+    }
+  }
+}
+
+// One Gauss-Newton step, halved until F falls; false at the end.
+bool AutoScaler::step(VectorXd& theta) {
+  const Compiled compiled(parameters_.apply(model_, theta), samples_);
+  linearize(compiled, theta);
+  const VectorXd full = -(N_ + precision_).ldlt().solve(g_);
+  const int k = parameters_.factor_count();
+  constexpr int kHalvings = 12;
+  double length = 1.0;
+  for (int i = 0; i < kHalvings; ++i, length *= 0.5) {
+    const VectorXd trial = theta + length * full;
+    std::vector<Frame> frames = frames_;
+    const Compiled there(parameters_.apply(model_, trial), samples_);
+    const double F = fit_poses(there, frames) + prior(trial);
+    if (!(F < F_)) continue;
+    theta = trial;
+    F_ = F;
+    frames_ = std::move(frames);
+    const VectorXd taken = length * full;
+    result_.converged = taken.head(k).cwiseAbs().maxCoeff() < options_.tolerance &&
+                        (taken.size() == k || taken.tail(taken.size() - k).cwiseAbs().maxCoeff() <
+                                                  options_.offset_tolerance);
+    return !result_.converged;
+  }
+  // Nothing on the way lowers F: the limit of rounding, if the promised gain is that small.
+  constexpr double kRounding = 1e-8;
+  result_.converged = std::abs(g_.dot(full)) < kRounding * std::max(1.0, F_);
+  return false;
+}
+
+AutoScaleResult AutoScaler::run() {
+  const auto began = std::chrono::steady_clock::now();
+  start();
+  VectorXd theta = VectorXd::Zero(parameters_.count());
+  bool more = true;
+  for (result_.iterations = 0; more && result_.iterations < options_.max_iterations;
+       ++result_.iterations) {
+    if (options_.progress && !options_.progress(result_.iterations, options_.max_iterations)) {
+      result_.stopped = true;
+      break;
+    }
+    more = step(theta);
+  }
+  finish(theta);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
+  result_.seconds = elapsed.count();
+  return std::move(result_);
+}
+
+void AutoScaler::finish(const VectorXd& theta) {
+  result_.factors = parameters_.scale_factors(model_, theta);
+  const Compiled compiled(parameters_.apply(model_, theta), samples_);
+  result_.markers = compiled.model.markers;
+  result_.cost = F_;
+  result_.rms_after = rms(compiled, frames_);
+  linearize(compiled, theta);
+  describe(theta);
+  VectorXd scaled_only = theta;
+  scaled_only.tail(theta.size() - parameters_.factor_count()).setZero();
+  const Compiled unmoved(parameters_.apply(model_, scaled_only), samples_);
+  fit_poses(unmoved, frames_);
+  result_.rms_scaled = rms(unmoved, frames_);
+}
+
+void AutoScaler::describe(const VectorXd& theta) {
+  const auto n = static_cast<Eigen::Index>(parameters_.count());
+  const VectorXd variance = (N_ + precision_).ldlt().solve(MatrixXd::Identity(n, n)).diagonal();
+  for (int i = 0; i < parameters_.factor_count(); ++i) {
+    const AutoScaleParameters::Factor& factor = parameters_.factors[static_cast<std::size_t>(i)];
+    ScaleEstimate estimate;
+    estimate.name = factor.name;
+    estimate.bodies = factor.bodies;
+    estimate.axis = factor.axis;
+    estimate.factor = std::exp(theta[i]);
+    estimate.prior_sd = std::sqrt(parameters_.prior_covariance_of_factors(i, i));
+    estimate.open_sd = 1.0 / std::sqrt(precision_(i, i));
+    estimate.posterior_sd = std::sqrt(variance[i]);
+    estimate.determinate = estimate.posterior_sd < 0.5 * estimate.open_sd;
+    result_.estimates.push_back(std::move(estimate));
+  }
+  for (std::size_t i = 0; i < parameters_.free_markers.size(); ++i) {
+    const int at = parameters_.offset_of(i);
+    result_.offsets.push_back(
+        {parameters_.free_markers[i], theta.segment<3>(at), variance.segment<3>(at).cwiseSqrt()});
+  }
+}
+
+}  // namespace
+
+void AutoScaleOptions::validate() const {
+  minimizer.validate();
+  const auto require = [](bool good, const char* field, double value, const char* bound) {
+    if (good) return;
+    throw std::invalid_argument(
+        fmt::format("AutoScaleOptions.{} is {}; expected {}", field, value, bound));
+  };
+  const auto positive = [&](const char* field, double value) {
+    require(value > 0.0 && std::isfinite(value), field, value, "a finite number above 0");
+  };
+  positive("size_sd", size_sd);
+  positive("segment_sd", segment_sd);
+  positive("axis_sd", axis_sd);
+  positive("marker_offset_sd", marker_offset_sd);
+  positive("marker_sd", marker_sd);
+  positive("independent_frames", independent_frames);
+  positive("tolerance", tolerance);
+  positive("offset_tolerance", offset_tolerance);
+  require(frames >= 1, "frames", frames, "1 or more");
+  require(max_iterations >= 1, "max_iterations", max_iterations, "1 or more");
+  require(threads >= 0, "threads", threads, "0 or more");
+}
+
+AutoScaleResult auto_scale(const MusculoskeletalModel& model,
+                           const std::vector<AutoScaleTrial>& trials,
+                           const AutoScaleOptions& options) {
+  options.validate();
+  if (trials.empty()) throw std::invalid_argument("auto_scale: no trials; expected 1 or more");
+  return AutoScaler(model, trials, options).run();
+}
+
+}  // namespace sinew
