@@ -207,7 +207,9 @@ TEST(OsimDocument, AgreesWithScaleModelOnPublishedModels) {
   }
 }
 
-Vector3d vector3(const Json& json) { return {json[0], json[1], json[2]}; }
+Vector3d vector3(const Json& json) {
+  return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
+}
 
 struct Golden {
   Json expected;
@@ -310,7 +312,7 @@ struct Golden {
     for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
       const std::string& name = model.coordinates[c].name;
       ws.q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
-          expected["coordinates"][name.substr(name.find('/') + 1)];
+          expected["coordinates"][name.substr(name.find('/') + 1)].get<double>();
     }
     update_poses(tree, ws);
     for (const auto& [name, p] : expected["places"].items()) {
