@@ -28,7 +28,6 @@ void add_example_command(CLI::App& app, int& exit_code);
 void add_bench_command(CLI::App& app, int& exit_code);
 void add_convert_command(CLI::App& app, int& exit_code);
 void add_model_command(CLI::App& app, int& exit_code);
-void add_scale_command(CLI::App& app, int& exit_code);
 
 /// Appends the warnings that are not in `all` yet (readers share some) and prints these to standard
 /// error, one a line.

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <utility>
 
-#include "data/coordinate_spline.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
+#include "pipeline/coordinate_values.h"
 
 namespace sinew {
 namespace {
@@ -27,22 +27,6 @@ std::string to_text(const TimeRange& range) {
 }
 
 }  // namespace
-
-RowMatrix coordinate_values_at(const Eigen::VectorXd& time, const CoordinateTable& table) {
-  const CoordinateSpline spline(table.time, table.q);
-  RowMatrix values = RowMatrix::Constant(time.size(), table.q.cols(), kNaN);
-  std::vector<double> q(static_cast<std::size_t>(spline.size()));
-  for (Eigen::Index frame = 0; frame < time.size(); ++frame) {
-    if (time[frame] < spline.first_time() || time[frame] > spline.last_time()) continue;
-    spline.evaluate(time[frame], q, {}, {});
-    for (Eigen::Index c = 0; c < values.cols(); ++c) {
-      if (table.measured[static_cast<std::size_t>(c)]) {
-        values(frame, c) = q[static_cast<std::size_t>(c)];
-      }
-    }
-  }
-  return values;
-}
 
 InputFiles input_files(const IkInputs& inputs) {
   return {{"model", inputs.model_file},

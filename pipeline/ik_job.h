@@ -57,10 +57,6 @@ InputFiles input_files(const IkInputs& inputs);
 /// time range without frames.
 IkJob prepare_ik(const IkInputs& inputs);
 
-/// Values of a coordinate file at `time`, times × coordinates of the model; NaN outside the file
-/// and for coordinates that it does not have.
-RowMatrix coordinate_values_at(const Eigen::VectorXd& time, const CoordinateTable& table);
-
 /// Solves the job with a progress bar; nothing if Ctrl-C stopped it, which is said on standard
 /// error. Throws std::runtime_error if a result is not finite.
 std::optional<TrackingResult> solve_ik(IkJob& job);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/command.h"
+#include "pipeline/scale_command.h"
 #include "pipeline/version.h"
 
 namespace {

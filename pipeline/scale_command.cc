@@ -1,3 +1,5 @@
+#include "pipeline/scale_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

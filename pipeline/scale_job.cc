@@ -6,6 +6,7 @@
 #include "data/trc_file.h"
 #include "model/osim_writer.h"
 #include "model/whole_body.h"
+#include "pipeline/coordinate_values.h"
 #include "pipeline/ik_job.h"
 
 namespace sinew {
