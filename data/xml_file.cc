@@ -86,7 +86,11 @@ XmlFile::XmlFile(std::string name, std::string content, Keep keep)
 
 std::string XmlFile::to_string() const {
   std::ostringstream out;
-  document_.save(out, "", pugi::format_raw | pugi::format_no_declaration, pugi::encoding_utf8);
+  // The parser drops the line ends between the document's own nodes, and only these.
+  for (const pugi::xml_node node : document_.children()) {
+    node.print(out, "", pugi::format_raw, pugi::encoding_utf8);
+    out << '\n';
+  }
   return out.str();
 }
 

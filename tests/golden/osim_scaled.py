@@ -95,23 +95,29 @@ def path_numbers(force, state):
     return entry
 
 
+def path_of(coordinate):
+    return "/".join(coordinate.getAbsolutePathString().split("/")[-2:])
+
+
 def pose(model, state):
     values = {}
-    for c in members(model.getCoordinateSet()):
+    coordinates = members(model.getCoordinateSet())
+    for c in coordinates:
         low, high = max(c.getRangeMin(), -0.5), min(c.getRangeMax(), 0.5)
-        values[c.getName()] = 0.5 * (low + high) if not c.isConstrained(state) else None
+        values[path_of(c)] = 0.5 * (low + high) if not c.isConstrained(state) else None
         c.setLocked(state, False)
         c.setClamped(state, False)
-    for c in members(model.getCoordinateSet()):
-        if values[c.getName()] is not None:
-            c.setValue(state, values[c.getName()], False)
+    for c in coordinates:
+        if values[path_of(c)] is not None:
+            c.setValue(state, values[path_of(c)], False)
     model.assemble(state)
     model.realizePosition(state)
-    return {c.getName(): c.getValue(state) for c in members(model.getCoordinateSet())}
+    return {path_of(c): c.getValue(state) for c in coordinates}
 
 
 def scaled_numbers(path, preserve):
     model = opensim.Model(path)
+    model.set_assembly_accuracy(1e-12)
     state = model.initSystem()
     factors = factors_of(model)
     if not model.scale(state, scale_set(factors), preserve, MASS):
