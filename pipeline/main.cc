@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
     sinew::add_id_command(app, exit_code);
     sinew::add_validate_command(app, exit_code);
     sinew::add_example_command(app, exit_code);
+    sinew::add_compare_command(app, exit_code);
     sinew::add_bench_command(app, exit_code);
     sinew::add_convert_command(app, exit_code);
     sinew::add_model_command(app, exit_code);

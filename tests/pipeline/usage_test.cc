@@ -322,6 +322,7 @@ TEST_F(Usage, HelpNamesOptionsAndUnits) {
       {"validate",
        {"--model", "--markers", "--tasks", "--task-coordinates", "--from", "--to", "--method",
         "--gradient-tolerance", "--every", "--accuracy", "--tolerance", "--json"}},
+      {"compare", {"--model", "--from", "--to", "--worst", "--tolerance", "--percent", "--json"}},
       {"example", {"--out"}}};
   for (const auto& [command, options] : expected) {
     const Outcome help = run_sinew(path(), {command, "--help"});
