@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 #include <string>
 
 #include "data/c3d_writer.h"
+#include "data/external_loads_writer.h"
 #include "data/output_file.h"
 #include "data/reference_laboratory.h"
 #include "data/reference_walk.h"
@@ -23,39 +25,29 @@ std::string document(const std::string& content) {
          content + "</OpenSimDocument>\n";
 }
 
-std::string external_loads(const ExternalLoadsSetup& loads) {
-  std::string text = "  <ExternalLoads name=\"floor\">\n    <objects>\n";
-  for (const ExternalForce& force : loads.forces) {
-    text += fmt::format(
-        "      <ExternalForce name=\"{}\">\n"
-        "        <applied_to_body>{}</applied_to_body>\n"
-        "        <force_expressed_in_body>{}</force_expressed_in_body>\n"
-        "        <point_expressed_in_body>{}</point_expressed_in_body>\n"
-        "        <force_identifier>{}</force_identifier>\n"
-        "        <point_identifier>{}</point_identifier>\n"
-        "        <torque_identifier>{}</torque_identifier>\n"
-        "      </ExternalForce>\n",
-        force.name, force.applied_to_body, force.force_expressed_in_body,
-        force.point_expressed_in_body, force.force_identifier, force.point_identifier,
-        force.torque_identifier);
-  }
-  return document(text + "    </objects>\n    <datafile>grf.mot</datafile>\n  </ExternalLoads>\n");
+// A marker's weight is 1/m². Coordinates that markers leave undetermined and the walk keeps still
+// are held to where they are, as gait models do that take thorax and shoulder girdle as rigid
+// [1/rad²]; what else is undetermined, in the lumbar spine, is drawn to the neutral pose so weakly
+// that it gives markers way to 1e-4 rad: it decides nothing but how vertebrae share a turn,
+// equally.
+constexpr double kStillWeight = 1.0, kPostureWeight = 1e-4;
+
+IkTask coordinate_task(const Coordinate& coordinate, double weight) {
+  IkTask task;
+  task.kind = IkTask::Kind::kCoordinate;
+  task.name = coordinate.name;
+  task.weight = weight;
+  return task;
 }
 
-// Of the joints that markers leave undetermined, towards the neutral pose [1/rad²]; a marker's
-// weight is 1/m². A thousandth of what markers on the trunk hold the spine with.
-constexpr double kPostureWeight = 1e-4;
-
-// Coordinates between bones that the markers alone leave free in the neutral pose.
-std::vector<int> posture_coordinates(const MusculoskeletalModel& model,
-                                     const MarkerTrajectories& standing) {
-  const KinematicTree tree = compile_tree(model);
+// Coordinates between bones that markers and tasks leave free in the neutral pose.
+std::vector<int> free_coordinates(const MusculoskeletalModel& model, const KinematicTree& tree,
+                                  const MarkerTrajectories& standing, const IkTaskSet& tasks) {
   BindingOptions markers_only;
   markers_only.wires.use = WireOptions::Use::kNone;
   markers_only.wires.virtual_link_weight = 0.0;
-  const MarkerFile recording{"static", standing, {}};
   const TrackingProblem tracking =
-      bind_recording(model, tree, recording, nullptr, nullptr, markers_only);
+      bind_recording(model, tree, {"static", standing, {}}, &tasks, nullptr, markers_only);
   IkTargets targets(tracking.problem);
   set_targets(tracking, standing, 0, targets);
   std::vector<int> coordinates =
@@ -67,27 +59,42 @@ std::vector<int> posture_coordinates(const MusculoskeletalModel& model,
   return coordinates;
 }
 
-std::string task(const char* element, const std::string& name, double weight) {
-  return fmt::format(
-      "      <{0} name=\"{1}\">\n"
-      "        <apply>true</apply>\n"
-      "        <weight>{2}</weight>\n"
-      "{3}"
-      "      </{0}>\n",
-      element, name, weight,
-      std::string_view(element) == "IKCoordinateTask"
-          ? "        <value_type>default_value</value_type>\n"
-          : "");
+bool moves(const ReferenceWalk& walk, const std::string& coordinate) {
+  return std::any_of(walk.curves.begin(), walk.curves.end(),
+                     [&](const WalkCurve& curve) { return curve.coordinate == coordinate; });
 }
 
-// Every marker with the same weight, and the posture.
-std::string tasks(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
-                  const std::vector<int>& posture) {
+// Every marker with the same weight, and what else it takes to determine the pose.
+IkTaskSet tasks_of(const MusculoskeletalModel& model, const ReferenceWalk& walk,
+                   const MarkerTrajectories& standing) {
+  const KinematicTree tree = compile_tree(model);
+  IkTaskSet set;
+  for (const std::string& name : standing.names) set.tasks.push_back({.name = name});
+  const auto coordinate = [&model](int c) {
+    return model.coordinates[static_cast<std::size_t>(c)];
+  };
+  for (const int c : free_coordinates(model, tree, standing, set)) {
+    if (moves(walk, coordinate(c).name)) continue;
+    set.tasks.push_back(coordinate_task(coordinate(c), kStillWeight));
+  }
+  for (const int c : free_coordinates(model, tree, standing, set)) {
+    set.tasks.push_back(coordinate_task(coordinate(c), kPostureWeight));
+  }
+  return set;
+}
+
+std::string document(const IkTaskSet& set) {
   std::string text = "  <IKTaskSet name=\"walk\">\n    <objects>\n";
-  for (const std::string& name : markers.names) text += task("IKMarkerTask", name, 1.0);
-  for (const int c : posture) {
-    text += task("IKCoordinateTask", model.coordinates[static_cast<std::size_t>(c)].name,
-                 kPostureWeight);
+  for (const IkTask& task : set.tasks) {
+    const bool marker = task.kind == IkTask::Kind::kMarker;
+    text += fmt::format(
+        "      <{0} name=\"{1}\">\n"
+        "        <apply>true</apply>\n"
+        "        <weight>{2}</weight>\n"
+        "{3}"
+        "      </{0}>\n",
+        marker ? "IKMarkerTask" : "IKCoordinateTask", task.name, task.weight,
+        marker ? "" : "        <value_type>default_value</value_type>\n");
   }
   return document(text + "    </objects>\n  </IKTaskSet>\n");
 }
@@ -145,13 +152,15 @@ std::vector<Warning> write_example(const std::filesystem::path& folder,
   const ReferenceWalk walk = reference_walk();
   const ReferenceRecording recording = make_reference_recording(body, walk, options.recording);
   const MarkerTrajectories standing = make_static_recording(body, options.recording);
-  const std::vector<int> posture = posture_coordinates(body, make_static_recording(body));
+  const IkTaskSet tasks = tasks_of(body, walk, make_static_recording(body));
   write_file_atomically(folder / "model.osim", write_osim(body));
   write_trc(folder / "walk.trc", recording.markers);
   write_trc(folder / "static.trc", standing);
   write_storage(folder / "grf.mot", recording.forces);
-  write_file_atomically(folder / "grf.xml", external_loads(recording.loads));
-  write_file_atomically(folder / "ik_tasks.xml", tasks(body, recording.markers, posture));
+  ExternalLoadsSetup loads = recording.loads;
+  loads.data_file = folder / "grf.mot";
+  write_external_loads(folder / "grf.xml", loads);
+  write_file_atomically(folder / "ik_tasks.xml", document(tasks));
   write_file_atomically(folder / "ik_setup.xml", ik_setup(recording.true_coordinates));
   write_file_atomically(folder / "id_setup.xml", id_setup(recording.true_coordinates));
   write_storage(folder / "truth_ik.mot", in_degrees(body, recording.true_coordinates));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "data/trc_file.h"
@@ -143,9 +144,84 @@ TEST(Example, RunWithoutFilesSolvesIt) {
   const auto json = nlohmann::json::parse(content_of(folder.path() / "r/summary.json"));
   EXPECT_EQ(json["inverse_kinematics"]["frames_not_converged"], 0);
   EXPECT_EQ(json["inputs"].size(), 5u);
-  for (const auto& residual : json["inverse_dynamics"]["root_residuals"]) {
-    EXPECT_LT(residual["rms"].get<double>(), 40.0) << residual;  // what 6 Hz takes away
+
+  // Every joint between bones: 1e-4 rad are 0.0057 degrees.
+  const Outcome angles =
+      run_sinew(folder.path(), {"compare", "r/ik.mot", "r/example/truth_ik.mot", "--model",
+                                "whole-body-detailed", "--tolerance", "0.0057", "--worst", "3"});
+  EXPECT_EQ(angles.exit_code, 0) << angles.out << angles.err;
+  // Torques but for the record's ends, where a spline does not know the accelerations.
+  const auto torques = nlohmann::json::parse(
+      run_sinew(folder.path(), {"compare", "r/id.sto", "r/example/truth_id.sto", "--json", "--from",
+                                "0.1", "--to", "2.1"})
+          .out);
+  int compared = 0;
+  for (const auto& column : torques["columns"]) {
+    const std::string name = column["name"];
+    const double largest = column["max"];
+    if (name.starts_with("pelvis_")) {
+      // By construction the floor carries all of the body: there is nothing left at the root.
+      EXPECT_LT(column["peak"], 1e-8) << name;
+      EXPECT_LT(largest, name.ends_with("_force") ? 0.3 : 0.05) << name;
+    } else if (column["peak"] > 1.0) {  // [N m]; not patellae, fingers and toes
+      ++compared;
+      EXPECT_LT(column["max_percent"], 1.0) << name;
+    }
   }
+  EXPECT_GT(compared, 80);
+}
+
+// RMS, of leg angles in degrees or their torques in % of the peak, and the largest roughness.
+struct LegErrors {
+  double rms = 0.0, roughness = 0.0;
+  int columns = 0;
+};
+
+LegErrors leg_errors(const std::filesystem::path& folder, const std::string& result,
+                     const std::string& truth, bool percent) {
+  const Outcome outcome =
+      run_sinew(folder, {"compare", result, truth, "--json", "--from", "0.1", "--to", "2.1"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  LegErrors errors;
+  for (const auto& column : nlohmann::json::parse(outcome.out)["columns"]) {
+    const std::string name = column["name"];
+    // All of it is there: not a NaN anywhere.
+    EXPECT_EQ(column["rows"], 201) << name;
+    if (!name.starts_with("hip_") && !name.starts_with("knee_angle_") &&
+        !name.starts_with("ankle_angle_")) {
+      continue;
+    }
+    if (name.find("beta") != name.npos) continue;  // follows the knee
+    ++errors.columns;
+    const double scale = percent ? 100.0 / column["peak"].get<double>() : 1.0;
+    errors.rms = std::max(errors.rms, scale * column["rms"].get<double>());
+    errors.roughness = std::max(errors.roughness, column["roughness"].get<double>() /
+                                                      column["true_roughness"].get<double>());
+  }
+  EXPECT_EQ(errors.columns, 10);
+  return errors;
+}
+
+// Noise of 5 mm a coordinate is ten times that of optical systems.
+TEST(Example, NoiseAndGapsLeaveResultsFiniteAndSmooth) {
+  const TemporaryFolder folder;
+  const std::filesystem::path& path = folder.path();
+  ASSERT_EQ(run_sinew(path, {"example", "--noise", "0.005", "--occlusion", "0.1", "--out", "e"})
+                .exit_code,
+            0);
+  const Outcome run =
+      run_sinew(path, {"run", "--model", "e/model.osim", "--markers", "e/walk.trc", "--tasks",
+                       "e/ik_tasks.xml", "--loads", "e/grf.xml", "--cutoff", "6", "--out", "r"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const LegErrors angles = leg_errors(path, "r/ik.mot", "e/truth_ik.mot", false);
+  const LegErrors torques = leg_errors(path, "r/id.sto", "e/truth_id.sto", true);
+  std::cout << "legs: angles RMS " << angles.rms << " degrees, roughness " << angles.roughness
+            << "; torques RMS " << torques.rms << " % of the peak, roughness " << torques.roughness
+            << "\n";
+  EXPECT_LT(angles.rms, 2.0);
+  EXPECT_LT(torques.rms, 10.0);
+  // The filter makes torques bend no more than 1.5 times what the true ones do.
+  EXPECT_LT(torques.roughness, 1.5);
 }
 
 }  // namespace
