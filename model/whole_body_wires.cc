@@ -34,6 +34,14 @@ struct Landmark {
   Vector3d p_BP = Vector3d::Zero();
 };
 
+bool is_at_level(const TableRow& row, bool detailed) {
+  const std::string level = row.text("level");
+  if (level != "simplified" && level != "detailed" && level != "both") {
+    row.fail("level", "simplified, detailed or both", level, "Correct the level.");
+  }
+  return level == "both" || (level == "detailed") == detailed;
+}
+
 class PathReader {
  public:
   PathReader(std::span<const EmbeddedTable> tables, double scale, bool detailed,
@@ -61,12 +69,22 @@ class PathReader {
     model_.paths.push_back(std::move(path));
   }
 
-  bool wanted(const TableRow& row) const {
-    const std::string level = row.text("level");
-    if (level != "simplified" && level != "detailed" && level != "both") {
-      row.fail("level", "simplified, detailed or both", level, "Correct the level.");
+  bool wanted(const TableRow& row) const { return is_at_level(row, detailed_); }
+
+  // Where level simplified leaves slips of a muscle out, those that stay take over their force.
+  void share_forces(const Table& table) {
+    std::map<std::string, std::array<double, 2>> sums;  // simplified, detailed [N]
+    for (const TableRow& row : table.rows()) {
+      if (row.text("kind") != "muscle") continue;
+      auto& sum = sums[row.text("muscle")];
+      for (const bool detailed : {false, true}) {
+        if (is_at_level(row, detailed)) sum[detailed] += row.number("force");
+      }
     }
-    return level == "both" || (level == "detailed") == detailed_;
+    if (detailed_) return;
+    for (const auto& [muscle, sum] : sums) {
+      if (sum[1] > sum[0] && sum[0] > 0.0) force_factors_[muscle] = sum[1] / sum[0];
+    }
   }
 
  private:
@@ -161,7 +179,9 @@ class PathReader {
   void read_muscle(const TableRow& row, double neutral, PathElement& path) const {
     constexpr double kStrongest = 1e4;  // [N] beyond any published muscle
     const double fibre = bounded(row, "fibre", 1.0);
-    path.max_isometric_force = bounded(row, "force", kStrongest);
+    const auto factor = force_factors_.find(row.cell("muscle"));
+    path.max_isometric_force =
+        bounded(row, "force", kStrongest) * (factor == force_factors_.end() ? 1.0 : factor->second);
     path.optimal_fiber_length = fibre * neutral;
     path.tendon_slack_length = (1.0 - fibre) * neutral;
     path.pennation_angle = 0.0;  // the fibres' part of the path lies along it
@@ -183,6 +203,7 @@ class PathReader {
   std::vector<Vector3d> p_WB_;  // neutral, from the hips
   std::map<std::string, Landmark, std::less<>> landmarks_;
   std::set<std::string, std::less<>> names_;
+  std::map<std::string, double, std::less<>> force_factors_;  // by the tables' name of a muscle
 };
 
 void add_virtual_link(const TableRow& row, bool left, double scale, MusculoskeletalModel& model) {
@@ -240,6 +261,7 @@ void add_paths(std::span<const EmbeddedTable> tables, double scale, bool detaile
     const Table table(find_table(tables, fmt::format("wires_{}", region)),
                       {"muscle", "slip", "kind", "level", "force", "fibre", "path"},
                       {"slackness", "note"});
+    reader.share_forces(table);
     for (const bool left : {false, true}) {
       for (const TableRow& row : table.rows()) {
         if (!reader.wanted(row)) continue;
