@@ -244,6 +244,8 @@ class ModelCheck {
     } else if (bodies.size() == 1) {
       report(Severity::kWarning, fmt::format("all its paths lead to '{}': it joins nothing",
                                              body_name(*bodies.begin())));
+    } else if (directions.size() < 3) {
+      report(Severity::kNote, "only two ends of paths are on it: it neither forks nor joins");
     }
   }
 

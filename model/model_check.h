@@ -45,7 +45,7 @@ struct ModelCheckOptions {
 /// | reading | what the reader of the file warned of |
 /// | asymmetry | left and right partners (`_r`/`_l`, `R`/`L`) that do not mirror each other |
 /// | path | zero length, repeated points, points far from their bone |
-/// | virtual link | without paths, pulled in one direction only, or towards one body only |
+/// | virtual link | without paths, pulled one way or towards one body only, with two ends only |
 /// | coordinate | default outside its range |
 /// | mass | bodies without mass that are no virtual links, inertias that no body has |
 /// | muscle | crosses no joint that moves |

@@ -46,8 +46,13 @@ std::string tree_row(const MusculoskeletalModel& model, const ModelSummary& summ
   const Joint& joint = model.joints[j];
   const Body& body = model.bodies[j + 1];
   std::string coordinates;
-  for (const int c : joint.coordinates) {
-    coordinates += (coordinates.empty() ? "" : ", ") + coordinate_text(model, c);
+  if (body.virtual_link && joint.coordinates.size() == 6) {
+    coordinates = coordinate_text(model, joint.coordinates.front()) + " ... " +
+                  coordinate_text(model, joint.coordinates.back());
+  } else {
+    for (const int c : joint.coordinates) {
+      coordinates += (coordinates.empty() ? "" : ", ") + coordinate_text(model, c);
+    }
   }
   const std::string name =
       std::string(2 * static_cast<std::size_t>(summary.depth[j]), ' ') + body.name;

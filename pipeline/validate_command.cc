@@ -74,14 +74,22 @@ struct ValidateCommand {
 
   static void print_angles(const MusculoskeletalModel& model, const Comparison& comparison) {
     fmt::print("\n{:<24} {:>12} {:>12}\n", "difference", "RMS", "max");
+    int of_links = 0;
     for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
       const auto i = static_cast<Eigen::Index>(c);
+      if (model.bodies[static_cast<std::size_t>(model.coordinates[c].joint) + 1].virtual_link) {
+        ++of_links;
+        continue;
+      }
       const auto [scale, unit] = unit_of(model.coordinates[c].motion);
       const bool undetermined = std::count(comparison.undetermined.begin(),
                                            comparison.undetermined.end(), static_cast<int>(c)) > 0;
       fmt::print("{:<24} {:12.5f} {:12.5f} {}{}\n", model.coordinates[c].name,
                  scale * comparison.angle_rms[i], scale * comparison.angle_max[i], unit,
                  undetermined ? "  (no marker determines it)" : "");
+    }
+    if (of_links > 0) {
+      fmt::print("and {} coordinates of virtual links, which --json has\n", of_links);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "model/osim_file.h"
+#include "model/whole_body.h"
 #include "tests/model/leg_model.h"
 #include "tests/model/shared_models.h"
 
@@ -228,6 +229,9 @@ Lines of_fork(const MusculoskeletalModel& model) {
   return found;
 }
 
+const char* const kTwoEnds =
+    "note: virtual link: fork: only two ends of paths are on it: it neither forks nor joins";
+
 TEST(ModelCheck, FindsVirtualLinksThatNothingHolds) {
   MusculoskeletalModel model = leg_model();
   add_virtual_link(model);
@@ -237,7 +241,7 @@ TEST(ModelCheck, FindsVirtualLinksThatNothingHolds) {
   EXPECT_EQ(of_fork(model), Lines{"error: virtual link: fork: one path pull on it in one direction "
                                   "only (within 0.0 degrees): nothing holds it against them"});
   lead_to_fork(model, "gas_med_r", 0);
-  EXPECT_EQ(of_fork(model), Lines{});
+  EXPECT_EQ(of_fork(model), Lines{kTwoEnds});
   path(model, "gas_med_r").points[1] = fixed_point(model.find_body("tibia_r"), {0, -0.4, 0});
   EXPECT_EQ(of_fork(model), Lines{"warning: virtual link: fork: all its paths lead to 'tibia_r': "
                                   "it joins nothing"});
@@ -252,7 +256,16 @@ TEST(ModelCheck, FollowsPathsPastTheirViaPoints) {
   PathElement& through = path(model, "gas_med_r");
   through.points.insert(through.points.begin() + 1,
                         fixed_point(model.find_body("tibia_r"), {0, -0.4, 0}));
-  EXPECT_EQ(of_fork(model), Lines{});
+  EXPECT_EQ(of_fork(model), Lines{kTwoEnds});
+}
+
+TEST(ModelCheck, FindsNothingInTheWholeBody) {
+  for (const auto level :
+       {WholeBodyOptions::Level::kSimplified, WholeBodyOptions::Level::kDetailed}) {
+    for (const ModelFinding& finding : check_model(whole_body({.level = level}))) {
+      ADD_FAILURE() << finding.element << ": " << finding.text;
+    }
+  }
 }
 
 TEST(ModelCheck, PassesOnWhatTheReaderWarnedOf) {

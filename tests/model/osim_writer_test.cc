@@ -102,16 +102,11 @@ TEST(OsimWriter, WritesTheWholeBody) {
   }
 }
 
-// The furcated Gait2354, moved at all its coordinates, virtual links' too: conditional and moving
-// points, muscles and tendons that OpenSim itself read from what was written.
-TEST(OsimWriter, WritesWhatOpenSimPosesAndMeasuresAlike) {
-  SINEW_SKIP_WITHOUT_SHARED_DATA();
-  std::ifstream file("tests/golden/osim_written.json");
+// Poses and lengths that OpenSim itself has of what was written, moved at all coordinates, virtual
+// links' too.
+void expect_poses_of_opensim(const MusculoskeletalModel& model, const char* golden) {
+  std::ifstream file(golden);
   const nlohmann::json poses = nlohmann::json::parse(file)["poses"];
-  const MusculoskeletalModel model =
-      furcate(read_osim(kSharedData / "opensim-models/Gait2354_Simbody/gait2354_simbody.osim"))
-          .model;
-  ASSERT_EQ(model.virtual_link_count(), 14);
   const KinematicTree tree = compile_tree(model, {.ignore_locks = true});
   KinematicWorkspace workspace(tree);
   ASSERT_EQ(poses.size(), 2u);
@@ -141,6 +136,22 @@ TEST(OsimWriter, WritesWhatOpenSimPosesAndMeasuresAlike) {
           << path.name;
     }
   }
+}
+
+// Conditional and moving points, muscles and tendons.
+TEST(OsimWriter, WritesWhatOpenSimPosesAndMeasuresAlike) {
+  SINEW_SKIP_WITHOUT_SHARED_DATA();
+  const MusculoskeletalModel model =
+      furcate(read_osim(kSharedData / "opensim-models/Gait2354_Simbody/gait2354_simbody.osim"))
+          .model;
+  ASSERT_EQ(model.virtual_link_count(), 14);
+  expect_poses_of_opensim(model, "tests/golden/osim_written.json");
+}
+
+// 144 bodies and 1206 wires.
+TEST(OsimWriter, WritesAWholeBodyThatOpenSimPosesAndMeasuresAlike) {
+  expect_poses_of_opensim(whole_body({.level = WholeBodyOptions::Level::kDetailed}),
+                          "tests/golden/osim_whole_body.json");
 }
 
 TEST(OsimWriter, NamesWhatItLeavesOut) {
