@@ -1,3 +1,5 @@
+#include "pipeline/compare_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -8,6 +8,7 @@
 
 #include "pipeline/command.h"
 #include "pipeline/scale_command.h"
+#include "pipeline/compare_command.h"
 #include "pipeline/version.h"
 
 namespace {
