@@ -8,6 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "data/statistics.h"
+
 namespace sinew {
 namespace {
 
@@ -151,10 +153,7 @@ class Recorder {
       const double distance = compute_center(wrench).p_CQ.norm();
       if (std::isfinite(distance)) distances.push_back(distance);
     }
-    if (distances.empty()) return kNaN;
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return *middle;
+    return median(std::move(distances));
   }
 
   // N·m under the name of N·mm, or the reverse.

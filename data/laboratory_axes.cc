@@ -8,7 +8,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "data/foot_markers.h"
 #include "data/marker_names.h"
+#include "data/statistics.h"
 #include "data/text.h"
 
 namespace sinew {
@@ -40,19 +42,6 @@ AxisDecision decide(const Vector3d& direction, double confidence, std::string re
           std::move(reason)};
 }
 
-// Mean of the positions of the given markers in a frame; NaN if none is measured.
-Vector3d mean_of(const MarkerTrajectories& markers, int frame, const std::vector<int>& which) {
-  Vector3d sum = Vector3d::Zero();
-  int count = 0;
-  for (const int marker : which) {
-    const Vector3d p = markers.position(frame, marker);
-    if (!p.allFinite()) continue;
-    sum += p;
-    ++count;
-  }
-  return sum / (count > 0 ? count : std::nan(""));
-}
-
 // From the feet to head, trunk or pelvis, by names, over all frames.
 Vector3d upright_by_names(const MarkerTrajectories& markers) {
   std::vector<int> high, low;
@@ -66,7 +55,7 @@ Vector3d upright_by_names(const MarkerTrajectories& markers) {
   }
   Vector3d sum = Vector3d::Zero();
   for (int frame = 0; frame < markers.frame_count(); ++frame) {
-    const Vector3d d = mean_of(markers, frame, high) - mean_of(markers, frame, low);
+    const Vector3d d = mean_position(markers, frame, high) - mean_position(markers, frame, low);
     if (d.allFinite()) sum += d;
   }
   return sum;
@@ -88,10 +77,7 @@ Vector3d middle_extents(const MarkerTrajectories& markers) {
   }
   Vector3d middle = Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
-    if (extents[k].empty()) continue;
-    const auto at = extents[k].begin() + static_cast<std::ptrdiff_t>(extents[k].size() / 2);
-    std::nth_element(extents[k].begin(), at, extents[k].end());
-    middle[static_cast<Eigen::Index>(k)] = *at;
+    if (!extents[k].empty()) middle[static_cast<Eigen::Index>(k)] = median(std::move(extents[k]));
   }
   return middle;
 }
@@ -103,24 +89,6 @@ AxisDecision up_by_extent(const MarkerTrajectories& markers) {
   extents[tallest] = 0.0;
   if (!(height > kTallness * extents.maxCoeff())) return {};
   return {Vector3d::Unit(tallest), 0.4, "the markers' longest extent"};
-}
-
-// The mean way of the markers that are there at least half of the time.
-Vector3d way_of(const MarkerTrajectories& markers) {
-  Vector3d sum = Vector3d::Zero();
-  int count = 0;
-  for (int i = 0; i < markers.marker_count(); ++i) {
-    int first = -1, last = -1;
-    for (int frame = 0; frame < markers.frame_count(); ++frame) {
-      if (std::isnan(markers.p_WM(frame, 3 * i))) continue;
-      if (first < 0) first = frame;
-      last = frame;
-    }
-    if (first < 0 || 2 * (last - first) < markers.frame_count()) continue;
-    sum += markers.position(last, i) - markers.position(first, i);
-    ++count;
-  }
-  return sum / std::max(count, 1);
 }
 
 // From left to right, by names, over all frames.
@@ -201,7 +169,7 @@ class Finder {
       return;
     }
     if (has_markers()) {
-      const Vector3d way = horizontal(way_of(*evidence_.markers));
+      const Vector3d way = way_travelled(*evidence_.markers, axes_.up.axis);
       if (way.norm() > kLeastWay) {
         consider(axes_.forward, decide(way, 0.95, "the way that the markers go"), "forward",
                  axes_.contradictions);

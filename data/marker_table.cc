@@ -77,6 +77,11 @@ TimeTable marker_table(const MarkerTrajectories& markers) {
   return table;
 }
 
+double metres_per_unit(const TimeTable& table) {
+  const auto first = triple_at(table.labels, 0);
+  return first ? first->metres : 1.0;
+}
+
 bool holds_markers(const TimeTable& table) {
   if (table.labels.empty() || table.labels.size() % 3 != 0) return false;
   for (std::size_t i = 0; i < table.labels.size(); i += 3) {

@@ -14,6 +14,9 @@ TimeTable marker_table(const MarkerTrajectories& markers);
 /// and positions of which only one or two coordinates are there.
 MarkerFile markers_from_table(const TimeTableFile& file);
 
+/// Metres in the unit that the first label names.
+double metres_per_unit(const TimeTable& table);
+
 /// Whether every column belongs to three of one name, as markers_from_table needs them.
 bool holds_markers(const TimeTable& table);
 

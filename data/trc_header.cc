@@ -226,23 +226,25 @@ Header parse_header(const std::string& path, LineReader& lines) {
   return header;
 }
 
-Layout parse_columns(const Header& header, text::LineReader& lines, MarkerFile& file) {
+Layout parse_columns(const Header& header, text::LineReader& lines, MarkerFile& file,
+                     std::vector<std::string>* labels) {
   const NameLine names =
       parse_name_line(file.path, require_line(file.path, lines, "the line of marker names"));
   std::optional<Line> first_row = lines.next_filled();
-  std::size_t labels = first_row ? count_coordinate_labels(first_row->text) : 0;
-  if (labels % 3 != 0) {
+  std::size_t axes = first_row ? count_coordinate_labels(first_row->text) : 0;
+  if (axes % 3 != 0) {
     fail(file.path, first_row->number,
          {"the coordinate labels are incomplete", "X, Y and Z for every marker",
-          fmt::format("{} labels", labels), "Correct the header."});
+          fmt::format("{} labels", axes), "Correct the header."});
   }
-  if (labels > 0) first_row = lines.next_filled();
+  if (axes > 0) first_row = lines.next_filled();
   if (!first_row) {
     fail(file.path, 0,
          {"has no rows of data", "at least one frame", "", "Was the file written completely?"});
   }
-  const std::size_t triples = labels > 0 ? labels / 3 : names.names.size();
+  const std::size_t triples = axes > 0 ? axes / 3 : names.names.size();
   match_names(file.path, names, triples, filled_cells(first_row, names.tabs), file);
+  if (labels) *labels = file.markers.names;
   make_names_unique(file.path, names.line, file);
   return {triples, names.tabs, header.decimal_shift, *first_row};
 }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "data/marker_trajectories.h"
 #include "data/text.h"
@@ -30,8 +31,9 @@ struct Layout {
 Header parse_header(const std::string& path, text::LineReader& lines);
 
 /// Reads the names, the labels X1 Y1 Z1 ..., which some writers leave out, and the first row. Fills
-/// the names of `file`, unique, and its warnings. Throws InputError if names and coordinates do not
-/// fit or no row follows.
-Layout parse_columns(const Header& header, text::LineReader& lines, MarkerFile& file);
+/// the names of `file`, unique, and its warnings; `labels`, where given, gets them as they are.
+/// Throws InputError if names and coordinates do not fit or no row follows.
+Layout parse_columns(const Header& header, text::LineReader& lines, MarkerFile& file,
+                     std::vector<std::string>* labels = nullptr);
 
 }  // namespace sinew::trc

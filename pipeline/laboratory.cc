@@ -35,16 +35,27 @@ std::string text_of(const AxisDecision& decision) {
 
 }  // namespace
 
+AxisEvidence axis_evidence(const MarkerTrajectories& markers,
+                           const std::optional<C3dScreen>& screen,
+                           const std::vector<ForcePlatformRecording>& plates) {
+  AxisEvidence evidence;
+  evidence.markers = &markers;
+  evidence.screen = screen;
+  evidence.reaction = total_reaction(plates);
+  return evidence;
+}
+
+std::string describe_axes(const LaboratoryAxes& axes) {
+  return fmt::format("up is {}, forward is {}", text_of(axes.up), text_of(axes.forward));
+}
+
 Turn find_turn(const MarkerTrajectories& markers, const std::string& path,
                const std::optional<C3dScreen>& screen,
                const std::vector<ForcePlatformRecording>& plates, const PrepareOptions& options,
                std::vector<Warning>& warnings) {
   Turn turn;
   if (options.up == "keep") return turn;
-  AxisEvidence evidence;
-  evidence.markers = &markers;
-  evidence.screen = screen;
-  evidence.reaction = total_reaction(plates);
+  AxisEvidence evidence = axis_evidence(markers, screen, plates);
   evidence.up = options.up_axis();
   evidence.forward = options.forward_axis();
   turn.axes = find_axes(evidence);
@@ -70,8 +81,7 @@ Turn find_turn(const MarkerTrajectories& markers, const std::string& path,
 
 std::string describe(const Turn& turn) {
   if (!turn.axes.up.known()) return "not rotated (--up keep)";
-  return fmt::format("up is {}, forward is {}; {}", text_of(turn.axes.up),
-                     text_of(turn.axes.forward),
+  return fmt::format("{}; {}", describe_axes(turn.axes),
                      turn.rotates ? "rotated to y up, x forward" : "that is how it stays");
 }
 

@@ -17,6 +17,14 @@ struct Turn {
   LaboratoryAxes axes;  // unknown where `--up keep` asked nothing
 };
 
+/// What a recording tells about its axes; `markers` must outlive it.
+AxisEvidence axis_evidence(const MarkerTrajectories& markers,
+                           const std::optional<C3dScreen>& screen,
+                           const std::vector<ForcePlatformRecording>& plates);
+
+/// `up is z (forces …, 98 % sure), forward is -y (…)`, of axes that are known.
+std::string describe_axes(const LaboratoryAxes& axes);
+
 /// The rotation to y up and x forward that the options and the recording ask for. Prints
 /// contradictions as warnings. Throws InputError, naming --up, if nothing tells what is up.
 Turn find_turn(const MarkerTrajectories& markers, const std::string& path,

@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
     sinew::add_example_command(app, exit_code);
     sinew::add_compare_command(app, exit_code);
     sinew::add_bench_command(app, exit_code);
+    sinew::add_check_command(app, exit_code);
     sinew::add_convert_command(app, exit_code);
     sinew::add_model_command(app, exit_code);
     sinew::add_scale_command(app, exit_code);

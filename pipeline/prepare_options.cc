@@ -42,6 +42,7 @@ std::vector<std::vector<int>> segments(const std::string& model_file,
 }  // namespace
 
 void PrepareOptions::add_to(CLI::App& command) {
+  edit.add_to(command);
   command
       .add_option("--up", up,
                   "The laboratory's axis that points up: x, y, z, -x, -y, -z, auto to find it, or "

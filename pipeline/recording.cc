@@ -11,6 +11,7 @@
 #include "data/marker_table.h"
 #include "data/storage_file.h"
 #include "data/text.h"
+#include "data/trc_description.h"
 #include "data/trc_file.h"
 #include "pipeline/command.h"
 
@@ -79,6 +80,7 @@ Recording read_recording(const std::string& input, std::vector<Warning>& warning
     MarkerFile file = read_trc(input);
     report(warnings, file.warnings);
     recording.markers = std::move(file.markers);
+    recording.metres_per_unit = read_trc_description(input).metres_per_unit;
     return recording;
   }
   TimeTableFile file = format_of(input) == Format::kCsv ? read_csv(input) : read_storage(input);
@@ -88,6 +90,7 @@ Recording read_recording(const std::string& input, std::vector<Warning>& warning
   }
   if (holds_markers(file.table) && format_of(input) == Format::kCsv) {
     recording.markers = markers_from_table(file).markers;
+    recording.metres_per_unit = metres_per_unit(file.table);
   } else {
     recording.table = std::move(file.table);
   }

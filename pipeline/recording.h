@@ -23,6 +23,7 @@ struct Recording {
   std::string path;
   std::optional<MarkerTrajectories> markers;
   std::optional<TimeTable> table;
+  double metres_per_unit = 1.0;  // of the lengths that the file names
 };
 
 /// Reads TRC, MOT, STO or CSV and prints warnings. A CSV file whose columns are NAME.x, NAME.y,

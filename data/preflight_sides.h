@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "data/finding.h"
+#include "data/laboratory_axes.h"
+#include "data/marker_trajectories.h"
+
+namespace sinew {
+
+struct SideCheckOptions {
+  // Left and right of a pair are exchanged if they lie the other way round than the other pairs in
+  // at least this part of the frames. Feet that cross do so for less than half of a stride.
+  double least_share = 0.8;
+  // Pairs closer than this in the mean tell nothing [m].
+  double least_width = 0.02;
+
+  /// Throws std::invalid_argument naming field, value and bound.
+  void validate() const;
+};
+
+/// Kind `side`:
+///  - a pair whose left and right lie the other way round than those of the other pairs, an error:
+///    `--swap LEFT,RIGHT`;
+///  - all pairs against where the subject faces: right must be where heel-to-toe × up points, an
+///    error: `--swap-sides`. Without heels and toes the way that the subject goes stands for it;
+///    that may be backwards, so it is a warning;
+///  - a subject that goes where the heels point, a note.
+/// Needs axes.up. O(frames · pairs).
+std::vector<Finding> find_side_faults(const MarkerTrajectories& markers, const LaboratoryAxes& axes,
+                                      const SideCheckOptions& options = {});
+
+}  // namespace sinew

@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "data/output_file.h"
+#include "data/preflight_markers.h"
+#include "pipeline/check_report.h"
+#include "pipeline/command.h"
+#include "pipeline/option_checks.h"
+#include "pipeline/output_check.h"
+#include "pipeline/preflight.h"
+#include "pipeline/preflight_files.h"
+#include "pipeline/recording.h"
+#include "pipeline/version.h"
+
+namespace sinew {
+namespace {
+
+struct CheckCommand {
+  std::vector<std::string> files;
+  std::string model, json;
+  double threshold = 20.0;  // [N]
+
+  int run() {
+    InputFiles inputs;
+    for (const std::string& file : files) inputs.emplace_back("input", file);
+    inputs.emplace_back("model", model);
+    check_outputs({json}, inputs);
+    PreflightFiles read;
+    if (!model.empty()) read.read_model(model);
+    const auto progress = progress_bar("reading");
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      read.read(files[i]);
+      progress(static_cast<int>(i) + 1, static_cast<int>(files.size()));
+    }
+    PreflightInputs preflight = read.inputs();
+    preflight.threshold = threshold;
+    std::vector<Finding> findings = read.findings();
+    for (Finding& finding : run_preflight(preflight)) findings.push_back(std::move(finding));
+    print(read, findings);
+    if (!json.empty()) write(read, preflight, findings);
+    return count(findings).errors > 0 ? kExitFailed : kExitOk;
+  }
+
+  void print(const PreflightFiles& read, const std::vector<Finding>& findings) const {
+    for (const std::string& path : read.paths()) {
+      const std::string what = read.describe(path);
+      fmt::print("{}{}{}\n{}", path, what.empty() ? "" : ": ", what, findings_text(findings, path));
+    }
+    const FindingCounts counts = count(findings);
+    fmt::print("{} errors, {} warnings, {} notes\n", counts.errors, counts.warnings, counts.notes);
+  }
+
+  void write(const PreflightFiles& read, const PreflightInputs& inputs,
+             const std::vector<Finding>& findings) const {
+    nlohmann::ordered_json document;
+    document["sinew"] = version();
+    document["files"] = nlohmann::ordered_json::array();
+    for (const std::string& path : read.paths()) {
+      document["files"].push_back({{"path", path}, {"what", read.describe(path)}});
+    }
+    const FindingCounts counts = count(findings);
+    document["errors"] = counts.errors;
+    document["warnings"] = counts.warnings;
+    document["notes"] = counts.notes;
+    document["findings"] = findings_json(findings);
+    document["gaps"] = gaps_json(inputs);
+    write_file_atomically(json, document.dump(2) + "\n");
+  }
+
+  // Every gap between measured samples, longest first.
+  static nlohmann::ordered_json gaps_json(const PreflightInputs& inputs) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const PreflightRecording& recording : inputs.recordings) {
+      if (!recording.markers) continue;
+      const MarkerTrajectories& markers = *recording.markers;
+      for (const MarkerGap& gap : find_inner_gaps(markers)) {
+        all.push_back({{"file", recording.path},
+                       {"marker", markers.names[static_cast<std::size_t>(gap.marker)]},
+                       {"first_frame", markers.frame_numbers[static_cast<std::size_t>(gap.first)]},
+                       {"frames", gap.count},
+                       {"from", markers.time[gap.first]},
+                       {"to", markers.time[gap.first + gap.count - 1]}});
+      }
+    }
+    return all;
+  }
+};
+
+}  // namespace
+
+void add_check_command(CLI::App& app, int& exit_code) {
+  auto command = std::make_shared<CheckCommand>();
+  CLI::App* sub = app.add_subcommand(
+      "check", "What is wrong with recordings, models and setups, and what mends it");
+  sub->add_option("files", command->files,
+                  fmt::format("{}, .osim or .xml files", kRecordingFormats))
+      ->required();
+  sub->add_option("--model", command->model, "Model (.osim) that the markers are held against");
+  sub->add_option("--json", command->json, "Write all findings to this file, for programs");
+  sub->add_option("--threshold", command->threshold,
+                  "Below this force on a platform nothing stands on it [N]")
+      ->check(zero_or_more())
+      ->capture_default_str();
+  sub->callback([command, &exit_code] { exit_code = command->run(); });
+}
+
+}  // namespace sinew
