@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace sinew {
 namespace {
@@ -14,24 +15,36 @@ bool contains_one(const std::string& text, std::initializer_list<const char*> wo
                      [&](const char* word) { return text.find(word) != text.npos; });
 }
 
+bool is_measured(const MarkerTrajectories& markers, int marker) {
+  for (int f = 0; f < markers.frame_count(); ++f) {
+    if (markers.position(f, marker).allFinite()) return true;
+  }
+  return false;
+}
+
 Vector3d seen_along(const Vector3d& up, const Vector3d& v) { return v - up * up.dot(v); }
 
 }  // namespace
 
 FeetMarkers find_foot_markers(const MarkerTrajectories& markers) {
   FeetMarkers feet;
+  std::vector<int> left_ankle, right_ankle;
   for (int i = 0; i < markers.marker_count(); ++i) {
     const MarkerName name = parse_marker_name(markers.names[static_cast<std::size_t>(i)]);
     if (name.side == Side::kNone || name.place != MarkerPlace::kFoot) continue;
+    if (!is_measured(markers, i)) continue;
     FootMarkers& foot = name.side == Side::kLeft ? feet.left : feet.right;
     foot.all.push_back(i);
     if (contains_one(name.without_side, {"hee", "cal"})) {
       foot.heel.push_back(i);
-    } else if (!contains_one(name.without_side, {"ank", "mal"})) {
-      // What is left of a foot's words lies in front of the ankle.
-      if (contains_one(name.without_side, {"to", "mt", "met", "hlx"})) foot.toe.push_back(i);
+    } else if (contains_one(name.without_side, {"ank", "mal"})) {
+      (name.side == Side::kLeft ? left_ankle : right_ankle).push_back(i);
+    } else if (contains_one(name.without_side, {"to", "mt", "met", "hlx"})) {
+      foot.toe.push_back(i);
     }
   }
+  if (feet.left.heel.empty()) feet.left.heel = std::move(left_ankle);
+  if (feet.right.heel.empty()) feet.right.heel = std::move(right_ankle);
   return feet;
 }
 

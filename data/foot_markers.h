@@ -8,10 +8,11 @@
 
 namespace sinew {
 
-/// Markers of one side's foot by their names, as indices.
+/// Markers of one side's foot by their names, as indices; those that are measured at all.
 struct FootMarkers {
-  std::vector<int> heel, toe;  // toe: tips and metatarsal heads
-  std::vector<int> all;        // those two, ankle and whatever else sits on the foot
+  std::vector<int> heel;  // or, without one, the ankle
+  std::vector<int> toe;   // tips and metatarsal heads
+  std::vector<int> all;   // those two, ankle and whatever else sits on the foot
 
   bool has_ends() const { return !heel.empty() && !toe.empty(); }
 };

@@ -93,26 +93,26 @@ std::vector<SidedContact> joined(std::vector<SidedContact> contacts) {
 // Both turns of a curve, NaN where it is not known.
 class TurningPoints {
  public:
-  TurningPoints(const Eigen::VectorXd& time, const std::vector<double>& curve,
+  TurningPoints(const Eigen::VectorXd& time, const std::vector<double>& curve, double least_range,
                 const KinematicEventOptions& options)
-      : time_(time), curve_(curve), options_(options) {
-    double low = kNaN, high = kNaN;
+      : time_(time), curve_(curve), options_(options), least_range_(least_range) {
     for (const double v : curve) {
-      low = std::fmin(low, v);
-      high = std::fmax(high, v);
+      low_ = std::fmin(low_, v);
+      high_ = std::fmax(high_, v);
     }
-    least_ = options.prominence * (high - low);
+    least_ = options.prominence * (high_ - low_);
   }
 
   /// Times of maxima (sign 1) or minima (sign −1) that `counts` accepts.
   template <typename Counts>
   std::vector<double> find(double sign, const Counts& counts) const {
     std::vector<double> times;
+    if (!(high_ - low_ >= least_range_)) return times;
     const auto n = curve_.size();
     for (std::size_t i = 1; i + 1 < n; ++i) {
       const double y = sign * curve_[i], before = sign * curve_[i - 1],
                    behind = sign * curve_[i + 1];
-      if (!(y > before && y >= behind) || !counts(i)) continue;
+      if (!(y > before && y >= behind) || !is_high(i, sign) || !counts(i)) continue;
       if (!turns(i, sign, -1) || !turns(i, sign, 1)) continue;
       const double curvature = before - 2.0 * y + behind;
       const double s =
@@ -127,6 +127,11 @@ class TurningPoints {
   }
 
  private:
+  bool is_high(std::size_t i, double sign) const {
+    const double from_top = sign > 0.0 ? high_ - curve_[i] : curve_[i] - low_;
+    return from_top <= options_.height * (high_ - low_);
+  }
+
   // Whether the curve falls far enough on one side before it rises above the point again.
   bool turns(std::size_t i, double sign, int direction) const {
     const double top = sign * curve_[i];
@@ -142,7 +147,8 @@ class TurningPoints {
   const Eigen::VectorXd& time_;
   const std::vector<double>& curve_;
   const KinematicEventOptions& options_;
-  double least_ = 0.0;
+  const double least_range_;
+  double low_ = kNaN, high_ = kNaN, least_ = 0.0;
 };
 
 void add_events(const std::vector<double>& times, Kind kind, Side side,
@@ -166,10 +172,10 @@ void add_by_coordinates(const MarkerTrajectories& markers, const FootMarkers& fo
     toe.push_back((mean_position(markers, f, foot.toe) - p).dot(forward));
   }
   const auto any = [](std::size_t) { return true; };
-  add_events(TurningPoints(markers.time, heel, options).find(1.0, any), Kind::kHeelStrike, side,
-             events);
-  add_events(TurningPoints(markers.time, toe, options).find(-1.0, any), Kind::kToeOff, side,
-             events);
+  add_events(TurningPoints(markers.time, heel, options.least_way, options).find(1.0, any),
+             Kind::kHeelStrike, side, events);
+  add_events(TurningPoints(markers.time, toe, options.least_way, options).find(-1.0, any),
+             Kind::kToeOff, side, events);
 }
 
 void add_by_velocity(const MarkerTrajectories& markers, const FootMarkers& foot, Side side,
@@ -191,7 +197,7 @@ void add_by_velocity(const MarkerTrajectories& markers, const FootMarkers& foot,
     velocity[f] = (height[f + 1] - height[f - 1]) / (markers.time[at + 1] - markers.time[at - 1]);
   }
   const double limit = low + options.heel_height * (high - low);
-  const TurningPoints turns(markers.time, velocity, options);
+  const TurningPoints turns(markers.time, velocity, options.least_velocity, options);
   add_events(turns.find(-1.0, [&](std::size_t i) { return heel[i] < limit; }), Kind::kHeelStrike,
              side, events);
   add_events(turns.find(1.0, [](std::size_t) { return true; }), Kind::kToeOff, side, events);
@@ -209,6 +215,13 @@ Vector3d forward_of(const MarkerTrajectories& markers, const FeetMarkers& feet,
 bool contains_one(const std::string& text, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(),
                      [&](const char* word) { return text.find(word) != text.npos; });
+}
+
+// RHS, LTO, HS: two letters, with or without a side before them.
+bool is_short(const std::string& label, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    return label == word || label == "r" + word || label == "l" + word;
+  });
 }
 
 bool is_same(const GaitEvent& a, const GaitEvent& b, double tolerance) {
@@ -255,6 +268,9 @@ void KinematicEventOptions::validate() const {
         fmt::format("KinematicEventOptions::{} is {}; it must be {}", name, value, bound));
   };
   require("cutoff", cutoff, cutoff > 0.0, "above 0 Hz");
+  require("height", height, height > 0.0 && height <= 1.0, "above 0 and at most 1");
+  require("least_way", least_way, least_way >= 0.0, "at least 0 m");
+  require("least_velocity", least_velocity, least_velocity >= 0.0, "at least 0 m/s");
   require("prominence", prominence, prominence > 0.0 && prominence < 1.0, "between 0 and 1");
   require("least_stride", least_stride, least_stride >= 0.0, "at least 0 s");
   require("heel_height", heel_height, heel_height > 0.0 && heel_height <= 1.0,
@@ -323,11 +339,12 @@ std::vector<GaitEvent> events_from_kinematics(const MarkerTrajectories& markers,
 std::vector<GaitEvent> events_from_file(const std::vector<C3dEvent>& events) {
   std::vector<GaitEvent> found;
   for (const C3dEvent& event : events) {
-    const std::string label = text::lower(event.label), context = text::lower(event.context);
+    const std::string label = text::lower(text::trim(event.label)),
+                      context = text::lower(event.context);
     GaitEvent gait;
-    if (contains_one(label, {"strike", "contact", "hs"})) {
+    if (contains_one(label, {"strike", "contact"}) || is_short(label, {"hs", "ic", "fs", "hc"})) {
       gait.kind = Kind::kHeelStrike;
-    } else if (contains_one(label, {"off", "to"})) {
+    } else if (label.find("off") != label.npos || is_short(label, {"to", "fo"})) {
       gait.kind = Kind::kToeOff;
     } else {
       continue;

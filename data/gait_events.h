@@ -50,9 +50,13 @@ struct KinematicEventOptions {
   // Zero-lag low-pass of the markers [Hz]; both papers use 6 to 7 for walking.
   double cutoff = 7.0;
   // A turning point counts if the curve turns by this part of its range before and after it.
-  double prominence = 0.3;
-  // ... and if the same foot's last one is this long ago [s]; the fastest walk has 0.75 s strides.
+  double prominence = 0.15;
+  // ... if it lies within this part of the range from the curve's largest (or smallest) value,
+  double height = 0.5;
+  // and if the same foot's last one is this long ago [s]: the fastest walk has strides of 0.75 s.
   double least_stride = 0.4;
+  // A curve that spans less is no walk's: of coordinates [m], of velocities [m/s].
+  double least_way = 0.2, least_velocity = 0.5;
   // Foot velocity: heels strike below this part of the heel's range of height.
   double heel_height = 0.35;
 
@@ -60,7 +64,8 @@ struct KinematicEventOptions {
   void validate() const;
 };
 
-/// Heel strikes and toe offs of the feet whose heel and toe are named, from markers alone:
+/// Heel strikes and toe offs of the feet whose heel and toe are named, from markers alone. Where no
+/// heel was measured the ankle stands for it.
 ///
 /// Coordinates: with f the way that the subject goes (or faces, if it goes less than half a metre),
 ///   strike: (p_heel − p_pelvis)·f is largest,   off: (p_toe − p_pelvis)·f is smallest.

@@ -104,6 +104,45 @@ std::pair<double, double> contact_about(const ForcePlatformRecording& plate, Ind
   return {static_cast<double>(first) / plate.rate, static_cast<double>(last) / plate.rate};
 }
 
+// What is flat of one platform's channels.
+struct SaturatedPlatform {
+  std::vector<std::string> channels;
+  FlatTop longest;
+  std::size_t longest_channel = 0;
+  bool at_limit = false;
+
+  void add(const C3dFile& file, std::size_t channel, const FlatTop& top, bool limit) {
+    const std::string& name = file.analog.labels[channel];
+    if (channels.empty() || channels.back() != name) channels.push_back(name);
+    at_limit = at_limit || limit;
+    if (top.count <= longest.count) return;
+    longest = top;
+    longest_channel = channel;
+  }
+
+  Finding finding(const C3dFile& file, const ForcePlatformRecording& plate) const {
+    Finding finding;
+    finding.severity = at_limit ? Severity::kError : Severity::kWarning;
+    finding.kind = "saturation";
+    finding.where = fmt::format("platform {}, {}", plate.platform.number, list_names(channels, 8));
+    finding.from = static_cast<double>(longest.first) / plate.rate;
+    finding.to = static_cast<double>(longest.first + longest.count - 1) / plate.rate;
+    finding.confidence = at_limit ? 0.98 : 0.8;
+    finding.text = fmt::format("flat tops{}; the longest, of {} samples at {:.6g} {}, is in {}",
+                               at_limit ? " at the end of the converter's range" : "",
+                               longest.count, longest.value, file.analog.units[longest_channel],
+                               file.analog.labels[longest_channel]);
+    const auto [from, to] = contact_about(plate, longest.first + longest.count / 2);
+    finding.flags = {
+        "--assign",
+        fmt::format("{}:none@{}-{}", plate.platform.number, time_text(from), time_text(to)),
+        "--loads", "grf.xml"};
+    finding.output = "grf.mot";
+    finding.advice = "leaves this step's forces out; nothing brings them back";
+    return finding;
+  }
+};
+
 struct Block {
   Vector3d mean = Vector3d::Zero();
   double normal = 0.0, deviation = 0.0;  // of the force along the platform's normal
@@ -165,6 +204,7 @@ std::vector<Finding> find_saturation(const C3dFile& file,
   const std::optional<double> bits = find_number(file.groups, "ANALOG", "BITS");
   for (const ForcePlatformRecording& plate : plates) {
     if (!plate.platform.usable()) continue;
+    SaturatedPlatform saturated;
     for (std::size_t i = 0; i < plate.platform.channels.size(); ++i) {
       // Type 1 stores places, which rest at the platform's edge or middle.
       if (plate.platform.type == 1 && (i == 3 || i == 4)) continue;
@@ -173,29 +213,11 @@ std::vector<Finding> find_saturation(const C3dFile& file,
       const std::vector<double> limits = limits_of(scales, channel, bits);
       const Eigen::VectorXd samples = file.analog.values.col(plate.platform.channels[i]);
       for (const FlatTop& top : find_flat_tops(samples, limits, options)) {
-        const bool at_limit = is_limit(top.value, limits, std::abs(scales.scale[channel]));
-        Finding finding;
-        finding.severity = at_limit ? Severity::kError : Severity::kWarning;
-        finding.kind = "saturation";
-        finding.where = fmt::format("platform {}, channel {}", plate.platform.number,
-                                    file.analog.labels[channel]);
-        finding.from = static_cast<double>(top.first) / plate.rate;
-        finding.to = static_cast<double>(top.first + top.count - 1) / plate.rate;
-        finding.confidence = at_limit ? 0.98 : 0.8;
-        finding.text = fmt::format("{} stretch{} flat at {:.6g} {}{}, the longest of {} samples",
-                                   top.stretches, top.stretches == 1 ? " is" : "es are", top.value,
-                                   file.analog.units[channel],
-                                   at_limit ? ", the end of the converter's range" : "", top.count);
-        const auto [from, to] = contact_about(plate, top.first + top.count / 2);
-        finding.flags = {
-            "--assign",
-            fmt::format("{}:none@{}-{}", plate.platform.number, time_text(from), time_text(to)),
-            "--loads", "grf.xml"};
-        finding.output = "grf.mot";
-        finding.advice = "leaves this step's forces out; nothing brings them back";
-        findings.push_back(std::move(finding));
+        saturated.add(file, channel, top,
+                      is_limit(top.value, limits, std::abs(scales.scale[channel])));
       }
     }
+    if (saturated.longest.count > 0) findings.push_back(saturated.finding(file, plate));
   }
   return findings;
 }

@@ -91,24 +91,32 @@ int held_until(const MarkerTrajectories& markers, int marker, int first) {
 void find_held(const MarkerTrajectories& markers, int marker, const MarkerCheckOptions& options,
                std::vector<Finding>& findings) {
   const int least = std::max(5, static_cast<int>(std::lround(options.held * markers.rate)));
+  Finding all = of_marker(markers, marker, "static");
+  all.flags.clear();
+  int stretches = 0, longest = 0;
   for (int f = 0; f < markers.frame_count(); ++f) {
     if (!measured(markers, f, marker)) continue;
-    const int last = held_until(markers, marker, f);
-    if (last - f + 1 >= least) {
-      std::vector<int> frames;
-      for (int k = f; k <= last; ++k) frames.push_back(k);
-      // The rest of the body sways by centimetres at the least while a foot stands.
-      if (others_reach(markers, marker, thinned(frames, 50)) > 2.0 * options.still) {
-        Finding finding = of_marker(markers, marker, "static");
-        set_frames(finding, markers, f, last);
-        finding.confidence = 0.8;
-        finding.text = "keeps exactly one place while others move: a sample that was held";
-        finding.flags[1] += fmt::format("@{}-{}", time_text(finding.from), time_text(finding.to));
-        findings.push_back(std::move(finding));
-      }
-    }
+    const int last = held_until(markers, marker, f), first = f;
     f = last;
+    if (last - first + 1 < least) continue;
+    std::vector<int> frames;
+    for (int k = first; k <= last; ++k) frames.push_back(k);
+    // The rest of the body sways by centimetres at the least while a foot stands.
+    if (others_reach(markers, marker, thinned(frames, 50)) <= 2.0 * options.still) continue;
+    ++stretches;
+    all.flags.insert(all.flags.end(),
+                     {"--drop", fmt::format("{}@{}-{}", all.where, time_text(markers.time[first]),
+                                            time_text(markers.time[last]))});
+    if (last - first < longest) continue;
+    longest = last - first;
+    set_frames(all, markers, first, last);
   }
+  if (stretches == 0) return;
+  all.confidence = 0.8;
+  all.text =
+      fmt::format("keeps exactly one place while others move, {} time{}: samples that were held",
+                  stretches, stretches == 1 ? "" : "s");
+  findings.push_back(std::move(all));
 }
 
 struct Coincidence {
@@ -121,7 +129,7 @@ Coincidence coincidence(const MarkerTrajectories& markers, int a, int b, double 
     if (std::isnan(d)) continue;
     d <= distance ? ++result.together : ++result.apart;
     // Nothing that is seldom together is one marker.
-    if (result.apart > 5) break;
+    if (result.apart > 5 && 20 * result.apart > result.together) break;
   }
   return result;
 }
@@ -177,6 +185,40 @@ std::vector<Vector3d> places(const MarkerTrajectories& markers) {
     result.push_back(sum / (count > 0 ? count : std::nan("")));
   }
   return result;
+}
+
+// Pairs that are never apart, in one finding: programs make them by the dozen.
+void find_same_places(const MarkerTrajectories& markers, double distance,
+                      std::vector<Finding>& findings) {
+  const std::vector<Vector3d> middle_places = places(markers);
+  std::vector<std::string> pairs;
+  std::vector<bool> dropped(markers.names.size(), false);
+  Finding finding;
+  for (std::size_t a = 0; a < markers.names.size(); ++a) {
+    for (std::size_t b = a + 1; b < markers.names.size(); ++b) {
+      // Means over different frames may lie apart by what a person walks.
+      if (!((middle_places[a] - middle_places[b]).norm() < 0.5)) continue;
+      const int ia = static_cast<int>(a), ib = static_cast<int>(b);
+      const Coincidence c = coincidence(markers, ia, ib, distance);
+      if (c.together < 10 || 20 * c.apart > c.together) continue;
+      pairs.push_back(markers.names[a] + " = " + markers.names[b]);
+      const bool b_less =
+          measured_frames(markers, ib).size() <= measured_frames(markers, ia).size();
+      const std::size_t drop = b_less ? b : a;
+      if (dropped[a] || dropped[b]) continue;
+      dropped[drop] = true;
+      finding.flags.insert(finding.flags.end(), {"--drop", markers.names[drop]});
+    }
+  }
+  if (pairs.empty()) return;
+  finding.severity = Severity::kNote;
+  finding.kind = "duplicate";
+  finding.where = list_names(pairs);
+  finding.confidence = 0.9;
+  finding.text =
+      fmt::format("{} pair{} of markers {} in one place, to {} mm", pairs.size(),
+                  pairs.size() == 1 ? "" : "s", pairs.size() == 1 ? "is" : "are", 1e3 * distance);
+  findings.push_back(std::move(finding));
 }
 
 struct GapClass {
@@ -355,26 +397,7 @@ std::vector<Finding> find_duplicate_markers(const MarkerTrajectories& markers,
   options.validate();
   std::vector<Finding> findings;
   find_same_labels(markers, labels, findings);
-  const std::vector<Vector3d> middle_places = places(markers);
-  for (int a = 0; a < markers.marker_count(); ++a) {
-    for (int b = a + 1; b < markers.marker_count(); ++b) {
-      // Means over different frames may lie apart by what a person walks.
-      const double apart =
-          (middle_places[static_cast<std::size_t>(a)] - middle_places[static_cast<std::size_t>(b)])
-              .norm();
-      if (!(apart < 0.5)) continue;
-      const Coincidence c = coincidence(markers, a, b, options.coincident);
-      if (c.together < 10 || 20 * c.apart > c.together) continue;
-      const bool b_less = measured_frames(markers, b).size() <= measured_frames(markers, a).size();
-      Finding finding = of_marker(markers, b_less ? b : a, "duplicate");
-      finding.where = name_of(markers, a) + ", " + name_of(markers, b);
-      finding.severity = Severity::kNote;
-      finding.confidence = 0.9;
-      finding.text = fmt::format("both are in one place, to {} mm, in {} of {} frames",
-                                 1e3 * options.coincident, c.together, c.together + c.apart);
-      findings.push_back(std::move(finding));
-    }
-  }
+  find_same_places(markers, options.coincident, findings);
   return findings;
 }
 

@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <stdexcept>
 
 #include "data/output_file.h"
 #include "data/preflight_markers.h"
 #include "pipeline/check_report.h"
 #include "pipeline/command.h"
+#include "pipeline/gait_event_options.h"
 #include "pipeline/option_checks.h"
 #include "pipeline/output_check.h"
 #include "pipeline/preflight.h"
@@ -18,14 +20,14 @@ namespace {
 
 struct CheckCommand {
   std::vector<std::string> files;
-  std::string model, json;
+  std::string model, json, events;
   double threshold = 20.0;  // [N]
 
   int run() {
     InputFiles inputs;
     for (const std::string& file : files) inputs.emplace_back("input", file);
     inputs.emplace_back("model", model);
-    check_outputs({json}, inputs);
+    check_outputs({json, events}, inputs);
     PreflightFiles read;
     if (!model.empty()) read.read_model(model);
     const auto progress = progress_bar("reading");
@@ -39,6 +41,7 @@ struct CheckCommand {
     for (Finding& finding : run_preflight(preflight)) findings.push_back(std::move(finding));
     print(read, findings);
     if (!json.empty()) write(read, preflight, findings);
+    if (!events.empty()) write_events(preflight);
     return count(findings).errors > 0 ? kExitFailed : kExitOk;
   }
 
@@ -49,6 +52,23 @@ struct CheckCommand {
     }
     const FindingCounts counts = count(findings);
     fmt::print("{} errors, {} warnings, {} notes\n", counts.errors, counts.warnings, counts.notes);
+  }
+
+  void write_events(const PreflightInputs& inputs) const {
+    std::vector<const PreflightRecording*> walks;
+    for (const PreflightRecording& recording : inputs.recordings) {
+      if (recording.markers) walks.push_back(&recording);
+    }
+    if (walks.size() != 1) {
+      throw std::invalid_argument(fmt::format(
+          "--events writes the events of one recording of markers; there are {}", walks.size()));
+    }
+    const PreflightRecording& walk = *walks.front();
+    const std::vector<GaitEvent> found =
+        walk.c3d ? find_gait_events(*walk.c3d,
+                                    compute_forces(*walk.c3d, {.threshold = threshold}).recordings)
+                 : find_gait_events(*walk.markers);
+    write_file_atomically(events, events_csv(found, *walk.markers));
   }
 
   void write(const PreflightFiles& read, const PreflightInputs& inputs,
@@ -98,6 +118,9 @@ void add_check_command(CLI::App& app, int& exit_code) {
       ->required();
   sub->add_option("--model", command->model, "Model (.osim) that the markers are held against");
   sub->add_option("--json", command->json, "Write all findings to this file, for programs");
+  sub->add_option("--events", command->events,
+                  "Write heel strikes and toe offs, by forces, the file and markers, to this file "
+                  "(.csv)");
   sub->add_option("--threshold", command->threshold,
                   "Below this force on a platform nothing stands on it [N]")
       ->check(zero_or_more())

@@ -14,6 +14,7 @@
 #include "data/text.h"
 #include "data/trc_file.h"
 #include "pipeline/command.h"
+#include "pipeline/gait_event_options.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/laboratory.h"
 
@@ -29,11 +30,17 @@ fs::path Conversion::filled_path(const fs::path& output) const {
 void Conversion::convert(const std::string& input, const fs::path& output) {
   const Format source = format_of(input), target = format_of(output);
   if (source == Format::kC3d) return from_c3d(input, output);
-  if (!what.empty()) {
+  if (!what.empty() && what != "events") {
     throw std::invalid_argument("--what chooses a part of a C3D file, which " + input +
                                 " is not: leave it out");
   }
   Recording recording = read_recording(input, warnings);
+  apply(prepare.edit.edits(), recording);
+  if (what == "events") {
+    require_markers(recording);
+    const MarkerTrajectories& markers = *recording.markers;
+    return write_events(output, input, find_gait_events(markers), markers);
+  }
   if (target == Format::kTrc || target == Format::kC3d) require_markers(recording);
   condition(recording, output);
   if (target == Format::kC3d) {
@@ -98,6 +105,7 @@ void Conversion::merge(const std::vector<std::string>& inputs, const std::string
       throw std::invalid_argument("a C3D file cannot be merged with others: " + input);
     }
     recordings.push_back(read_recording(input, warnings));
+    edit_part(recordings.back());
     if (format_of(input) != Format::kTrc || recordings.size() == 1) continue;
     std::swap(recordings.front(), recordings.back());
   }
@@ -127,6 +135,28 @@ void Conversion::done(const fs::path& output, const char* what_is, Eigen::Index 
                       double rate) const {
   fmt::print("{}: {}, {} {} at {} Hz\n", output.string(), what_is, rows,
              std::string_view(what_is) == "markers" ? "frames" : "rows", text::format_number(rate));
+}
+
+// Of several inputs each gets the edits that are for its kind.
+void Conversion::edit_part(Recording& recording) const {
+  RecordingEdits edits = prepare.edit.edits();
+  RecordingEdits of_table;
+  std::swap(of_table.shift_forces, edits.shift_forces);
+  apply(recording.markers ? edits : of_table, recording);
+}
+
+void Conversion::write_events(const fs::path& output, const std::string& input,
+                              std::vector<GaitEvent> found,
+                              const MarkerTrajectories& markers) const {
+  if (format_of(output) != Format::kCsv) {
+    throw std::invalid_argument(
+        "--what events writes a table: give --out NAME.csv, or --events all for a C3D file");
+  }
+  std::erase_if(found, [&](const GaitEvent& event) {
+    return (from && event.time < *from) || (to && event.time > *to);
+  });
+  write_file_atomically(output, events_csv(found, markers));
+  fmt::print("{}: {} events of {}\n", output.string(), found.size(), input);
 }
 
 void Conversion::write_markers(const fs::path& output, const MarkerTrajectories& markers) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/gait_events.h"
 #include "data/time_table.h"
 #include "pipeline/laboratory.h"
 #include "pipeline/prepare_options.h"
@@ -17,6 +18,7 @@ namespace sinew {
 /// InputError for unusable files and std::invalid_argument naming the option that does not fit.
 struct Conversion {
   std::string what;                // part of a C3D file; empty: what the target's format is for
+  std::string events;              // `forces`, `kinematics`, `all`: those written into a C3D file
   std::optional<double> from, to;  // [s]
   bool integers = false;           // of C3D files that are written
   PrepareOptions prepare;
@@ -40,6 +42,10 @@ struct Conversion {
             double rate) const;
   void write_markers(const std::filesystem::path& output, const MarkerTrajectories& markers);
   void write_table(const std::filesystem::path& output, const TimeTable& table);
+
+  void edit_part(Recording& recording) const;
+  void write_events(const std::filesystem::path& output, const std::string& input,
+                    std::vector<GaitEvent> found, const MarkerTrajectories& markers) const;
 
   void condition(Recording& recording, const std::filesystem::path& output);
   void fill_and_filter(MarkerTrajectories& markers, const std::string& path,

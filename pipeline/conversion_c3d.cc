@@ -13,6 +13,7 @@
 #include "data/trc_file.h"
 #include "pipeline/command.h"
 #include "pipeline/conversion.h"
+#include "pipeline/gait_event_options.h"
 #include "pipeline/lab_trial.h"
 #include "pipeline/laboratory.h"
 
@@ -44,7 +45,8 @@ std::string Conversion::what_of(Format target) const {
 void Conversion::from_c3d(const std::string& input, const fs::path& output) {
   const Format target = format_of(output);
   const bool markers_only = target == Format::kTrc && what_of(target) == "markers";
-  if (markers_only && !prepare.conditions()) return stream_markers(input, output);
+  const bool changes = prepare.conditions() || prepare.edit.edits().any();
+  if (markers_only && !changes) return stream_markers(input, output);
   return target == Format::kC3d ? rewrite_c3d(input, output) : convert_c3d(input, output);
 }
 
@@ -96,11 +98,13 @@ Turn Conversion::turn_of_start(const std::string& input, const C3dLayout& layout
 }
 
 void Conversion::convert_c3d(const std::string& input, const fs::path& output) {
-  C3dFile file = read_c3d(input);
-  report(warnings, file.warnings);
+  const C3dFile file = read_edited_c3d(input, prepare, warnings);
   const std::string part = what_of(format_of(output));
   const ForcePlatforms platforms = compute_forces(file, {.threshold = prepare.threshold});
   if (part == "forces") report(warnings, platforms.warnings);
+  if (part == "events") {
+    return write_events(output, input, find_gait_events(file, platforms.recordings), file.markers);
+  }
   if (part == "markers") {
     require_c3d_part(file, file.markers.marker_count() > 0, "markers");
     Recording recording{input, file.markers, {}};
@@ -161,8 +165,11 @@ void Conversion::rewrite_c3d(const std::string& input, const fs::path& output) {
         "--force-cutoff does not go with C3D files, which hold the plates' channels: give "
         "--analog-cutoff, or convert to MOT");
   }
-  C3dFile file = read_c3d(input);
-  report(warnings, file.warnings);
+  C3dFile file = read_edited_c3d(input, prepare, warnings);
+  if (!events.empty()) {
+    const ForcePlatforms platforms = compute_forces(file, {.threshold = prepare.threshold});
+    replace_gait_events(file, find_gait_events(file, platforms.recordings, events));
+  }
   if (!prepare.up.empty() || !prepare.forward.empty()) {
     const Turn turn = announce_turn(file, compute_forces(file).recordings, prepare, warnings);
     if (turn.rotates) sinew::rotate(file, turn.R_MW);

@@ -28,6 +28,7 @@ struct ConvertCommand {
     InputFiles files;
     for (const std::string& input : inputs) files.emplace_back("input", input);
     files.emplace_back("segments", conversion.prepare.segments_from);
+    check_events();
     if (!loads.empty() || !assign.empty()) {
       files.emplace_back("model", model);
       check_outputs({out, loads, contacts_path(out)}, files);
@@ -42,6 +43,17 @@ struct ConvertCommand {
       convert_all(files);
     }
     return kExitOk;
+  }
+
+  void check_events() const {
+    const bool one = inputs.size() == 1 && format.empty() && loads.empty();
+    if (conversion.events.empty() ||
+        (one && format_of(inputs.front()) == Format::kC3d && format_of(out) == Format::kC3d)) {
+      return;
+    }
+    throw std::invalid_argument(
+        "--events goes from one C3D file into another: give FILE.c3d --out NEW.c3d, or --what "
+        "events --out NAME.csv");
   }
 
   // Each input into a file of its name in the folder --out.
@@ -102,8 +114,13 @@ void add_convert_command(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"c3d", "trc", "mot", "sto", "csv"}));
   sub->add_option("--what", command->conversion.what,
                   "Part of a C3D file: markers (of .trc and .csv unless given), forces (of .mot), "
-                  "analog (of .sto), computed")
-      ->check(CLI::IsMember({"markers", "forces", "analog", "computed"}));
+                  "analog (of .sto), computed; or events, the heel strikes and toe offs by forces, "
+                  "the file and markers, into a .csv file")
+      ->check(CLI::IsMember({"markers", "forces", "analog", "computed", "events"}));
+  sub->add_option("--events", command->conversion.events,
+                  "Write heel strikes and toe offs into a C3D file in place of its own: by forces, "
+                  "by kinematics, or all")
+      ->check(CLI::IsMember({"forces", "kinematics", "all"}));
   sub->add_option("--loads", command->loads,
                   "Assign feet to a C3D file's platforms: --out gets the feet's loads (.mot), this "
                   "file the ExternalLoads (.xml) that `sinew id` and OpenSim read");

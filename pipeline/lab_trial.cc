@@ -10,11 +10,18 @@
 
 namespace sinew {
 
+C3dFile read_edited_c3d(const std::string& path, const PrepareOptions& options,
+                        std::vector<Warning>& warnings) {
+  C3dFile file = read_c3d(path);
+  report(warnings, file.warnings);
+  edit_recording(file, options.edit.edits());
+  return file;
+}
+
 LabTrial read_lab_trial(const std::string& path, const PrepareOptions& options,
                         std::vector<Warning>& warnings) {
   LabTrial trial;
-  trial.file = read_c3d(path);
-  report(warnings, trial.file.warnings);
+  trial.file = read_edited_c3d(path, options, warnings);
   ForcePlatforms platforms = compute_forces(trial.file, {.threshold = options.threshold});
   report(warnings, platforms.warnings);
   trial.plates = std::move(platforms.recordings);

@@ -19,8 +19,12 @@ struct LabTrial {
   Turn turn;
 };
 
-/// Reads the file, computes forces, turns both and reports warnings. Throws InputError as read_c3d
-/// and find_turn do.
+/// Reads a C3D file whole and puts it right as the options say (pipeline/edit_options.h).
+C3dFile read_edited_c3d(const std::string& path, const PrepareOptions& options,
+                        std::vector<Warning>& warnings);
+
+/// Reads the file so, computes forces, turns both and reports warnings. Throws InputError as
+/// read_c3d and find_turn do.
 LabTrial read_lab_trial(const std::string& path, const PrepareOptions& options,
                         std::vector<Warning>& warnings);
 
