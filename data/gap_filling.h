@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -60,5 +61,10 @@ GapFillResult fill_gaps(MarkerTrajectories& markers, const GapFillOptions& optio
 /// A row a filled gap: marker, first and last frame, times [s], method, estimated error [m], and
 /// the markers it was taken from.
 std::string filled_gaps_csv(const MarkerTrajectories& markers, const GapFillResult& result);
+
+/// Reads such a list for the recording that was filled. Throws InputError naming the line for other
+/// files and for markers and frames that the recording does not have.
+std::vector<MarkerGap> read_filled_gaps(const std::filesystem::path& path,
+                                        const MarkerTrajectories& markers);
 
 }  // namespace sinew

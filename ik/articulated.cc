@@ -104,10 +104,10 @@ void Articulated::collect_stiffness(const Iterate& at, bool newton) {
     const PositionResidual& r = at.problem.positions[i];
     const auto link = static_cast<std::size_t>(r.link);
     const Vector3d arm = ws.X_WB[link].R * r.p_BP;
-    add_point_stiffness(stiffness_[link], arm, r.weight);
+    const Matrix3d weight = position_weight(at.problem, *at.targets, i);
+    add_point_stiffness(stiffness_[link], arm, weight);
     if (newton) {
-      add_geometric_stiffness(stiffness_[link], arm,
-                              -(r.weight * (target - ws.X_WB[link].p - arm)));
+      add_geometric_stiffness(stiffness_[link], arm, -(weight * (target - ws.X_WB[link].p - arm)));
     }
   }
   for (std::size_t i = 0; i < at.problem.orientations.size(); ++i) {

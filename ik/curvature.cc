@@ -21,7 +21,8 @@ void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& pr
     if (std::isnan(targets.positions[i].x())) continue;
     const PositionResidual& r = problem.positions[i];
     const auto link = static_cast<std::size_t>(r.link);
-    add_point_stiffness(K_[link], ws.X_WB[link] * r.p_BP - rows_.origin(), r.weight);
+    add_point_stiffness(K_[link], ws.X_WB[link] * r.p_BP - rows_.origin(),
+                        position_weight(problem, targets, i));
   }
   for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
     if (std::isnan(targets.orientations[i](0, 0))) continue;

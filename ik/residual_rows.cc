@@ -71,7 +71,7 @@ void write_positions(const IkProblem& problem, const IkTargets& targets, Writer&
   for (std::size_t i = 0; i < problem.positions.size(); ++i) {
     if (std::isnan(targets.positions[i].x())) continue;
     const PositionResidual& r = problem.positions[i];
-    const Matrix3d T = root(r.weight);
+    const Matrix3d T = root(position_weight(problem, targets, i));
     const Vector3d p = out.X_WB(r.link) * r.p_BP;
     out.residual<3>(T * (targets.positions[i] - p));  // (1)
     out.point<3>(r.link, p, -T);                      // (13)

@@ -84,6 +84,7 @@ struct IkProblem {
 /// What one frame asks for; sizes as IkProblem's. NaN: not measured, the residual drops out.
 struct IkTargets {
   std::vector<Eigen::Vector3d> positions;     // p_WP^d [m]
+  std::vector<double> position_scales;        // of Σ_P in this frame, 0 or more; 1 unless said
   std::vector<Eigen::Matrix3d> orientations;  // R_WF^d
   std::vector<double> distances;              // l^d [m]
   std::vector<double> coordinates;            // [rad or m]
@@ -91,6 +92,12 @@ struct IkTargets {
   /// Sized for `problem`, everything missing.
   explicit IkTargets(const IkProblem& problem);
 };
+
+/// Σ_P of a position residual in this frame.
+inline Eigen::Matrix3d position_weight(const IkProblem& problem, const IkTargets& targets,
+                                       std::size_t i) {
+  return targets.position_scales[i] * problem.positions[i].weight;
+}
 
 /// Whether a point of a wire is on its path at the workspace's q.
 inline bool is_on_path(const WirePoint& point, const KinematicWorkspace& workspace) {

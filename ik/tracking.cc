@@ -63,8 +63,11 @@ void measure(const TrackingProblem& tracking, const IkTargets& targets,
   frame.worst_marker = -1;
   for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
     const PositionResidual& r = tracking.problem.positions[i];
+    // A filled sample is no measurement to err from.
     const double error =
-        (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
+        targets.position_scales[i] < 1.0
+            ? kNaN
+            : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
     errors[static_cast<Eigen::Index>(i)] = error;
     if (std::isnan(error)) continue;
     sum += error * error;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "data/gap_filling.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
 #include "model/osim_file.h"
@@ -26,13 +27,24 @@ std::string to_text(const TimeRange& range) {
   return fmt::format("{:.6g} s to {:.6g} s", *range.from, *range.to);
 }
 
+void weigh_filled(const IkInputs& inputs, IkJob& job) {
+  const MarkerTrajectories& markers = job.recording.markers;
+  std::vector<FilledStretch> stretches;
+  for (const MarkerGap& gap : read_filled_gaps(inputs.filled_file, markers)) {
+    stretches.push_back(
+        {markers.names[static_cast<std::size_t>(gap.marker)], gap.first, gap.count});
+  }
+  weigh_filled_samples(job.tracking, markers, stretches, inputs.filled_weight);
+}
+
 }  // namespace
 
 InputFiles input_files(const IkInputs& inputs) {
   return {{"model", inputs.model_file},
           {"markers", inputs.marker_file},
           {"tasks", inputs.task_file},
-          {"task_coordinates", inputs.coordinate_file}};
+          {"task_coordinates", inputs.coordinate_file},
+          {"filled", inputs.filled_file}};
 }
 
 IkJob prepare_ik(const IkInputs& inputs) {
@@ -55,6 +67,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
       bind_recording(job.model, job.tree, job.recording, inputs.tasks ? &*inputs.tasks : nullptr,
                      values.size() > 0 ? &values : nullptr, binding);
   append(job.warnings, job.tracking.warnings);
+  if (!inputs.filled_file.empty()) weigh_filled(inputs, job);
   std::tie(job.options.first_frame, job.options.end_frame) =
       frames_within(job.recording.markers.time, inputs.range, job.recording.path, job.warnings);
   job.options.minimizer.method = method_from_string(inputs.method);

@@ -36,6 +36,8 @@ struct IkInputs {
   std::string method = "gauss-newton";
   double tolerance = MinimizerOptions{}.gradient_tolerance;
   WireOptions wires;
+  std::filesystem::path filled_file;     // which samples were filled in; may be empty
+  double filled_weight = kFilledWeight;  // of these
   int threads = 0;
   bool record_iterations = false;  // for a trace
 };

@@ -40,6 +40,14 @@ void IkOptions::add_to(CLI::App& command) {
   weight("--ligament-weight", wire_options.ligament_weight, "Of ligaments among the wires");
   weight("--virtual-link-weight", wire_options.virtual_link_weight,
          "Draws virtual links to their places where wires leave them free");
+  command.add_option("--filled", filled,
+                     "List of the markers' samples that were filled in, as `sinew convert` and "
+                     "`sinew run --c3d` write it (.csv); they weigh less");
+  command
+      .add_option("--filled-weight", filled_weight,
+                  "What a filled sample weighs beside a measured one, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command.add_option("--trace", trace, "Write cost, gradient and step of every iteration (.csv)");
   command
       .add_option("--threads", threads, "Threads to use, 0 for all; results do not depend on it")
@@ -55,6 +63,8 @@ IkInputs IkOptions::inputs() const {
   if (!tasks.empty()) inputs.tasks = read_ik_task_set(tasks);
   inputs.task_file = tasks;
   inputs.coordinate_file = coordinates;
+  inputs.filled_file = filled;
+  inputs.filled_weight = filled_weight;
   inputs.range.from = from;
   inputs.range.to = to;
   inputs.method = method;

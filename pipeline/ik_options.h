@@ -11,7 +11,8 @@ namespace sinew {
 
 /// The command-line options that every subcommand with inverse kinematics shares.
 struct IkOptions {
-  std::string model, markers, tasks, coordinates, trace;
+  std::string model, markers, tasks, coordinates, filled, trace;
+  double filled_weight = kFilledWeight;
   std::optional<double> from, to;
   std::string method = IkInputs{}.method;
   double tolerance = IkInputs{}.tolerance;

@@ -13,18 +13,6 @@
 namespace sinew {
 namespace {
 
-CLI::Validator an_axis(bool may_be_kept) {
-  const std::string expected =
-      std::string("auto, ") + (may_be_kept ? "keep, " : "") + "x, y, z, -x, -y or -z";
-  return CLI::Validator(
-      [=](std::string& value) {
-        const bool word = value == "auto" || (may_be_kept && value == "keep");
-        return word || parse_axis(value) ? std::string()
-                                         : fmt::format("{} is not {}", value, expected);
-      },
-      "");
-}
-
 // Markers of each body of the model, as indices into the recording.
 std::vector<std::vector<int>> segments(const std::string& model_file,
                                        const MarkerTrajectories& markers) {
@@ -40,6 +28,18 @@ std::vector<std::vector<int>> segments(const std::string& model_file,
 }
 
 }  // namespace
+
+CLI::Validator an_axis(bool may_be_kept) {
+  const std::string expected =
+      std::string("auto, ") + (may_be_kept ? "keep, " : "") + "x, y, z, -x, -y or -z";
+  return CLI::Validator(
+      [=](std::string& value) {
+        const bool word = value == "auto" || (may_be_kept && value == "keep");
+        return word || parse_axis(value) ? std::string()
+                                         : fmt::format("{} is not {}", value, expected);
+      },
+      "");
+}
 
 void PrepareOptions::add_to(CLI::App& command) {
   edit.add_to(command);

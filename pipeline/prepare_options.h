@@ -30,6 +30,9 @@ struct PrepareOptions {
   }
 };
 
+/// The value of an option that names an axis: x, -z, ..., auto, and keep where it may be kept.
+CLI::Validator an_axis(bool may_be_kept);
+
 /// Fills gaps, filters and resamples markers, in this order, and says what was done; warnings are
 /// printed and added. Throws std::invalid_argument naming the option for what does not fit.
 GapFillResult prepare_markers(MarkerTrajectories& markers, const std::string& path,

@@ -12,6 +12,9 @@
 #include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
+#include "pipeline/lab_job.h"
+#include "pipeline/lab_loads.h"
+#include "pipeline/lab_options.h"
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
@@ -26,9 +29,56 @@ constexpr const char* kResults[] = {"ik.mot", "id.sto", "marker_errors.csv", "fr
 constexpr const char* kWires = "wires.csv";  // of models with wires
 
 struct RunCommand {
+  CLI::App* command = nullptr;
   IkOptions ik;
   IdOptions dynamics;
+  LabOptions lab;
   std::string out = "sinew-results";
+
+  // A laboratory's files, or those of a run that is repeated, become model, markers and loads.
+  LabJob prepare(DecisionLog& log, std::vector<Warning>& warnings) {
+    if (!lab.decisions.empty()) {
+      log = DecisionLog(lab.decisions);
+      lab.given_now = take_replayed_options(*command, log);
+      report(warnings, log.changed_inputs());
+      // Beside the file that was edited.
+      if (!lab.given_now.contains("--out")) {
+        out = std::filesystem::path(lab.decisions).parent_path().string();
+        if (out.empty()) out = ".";
+      }
+    } else {
+      lab.given_now = take_replayed_options(*command, log);
+    }
+    if (!ik.markers.empty()) {
+      throw std::invalid_argument(
+          "--c3d and --markers are two ways to give the same: leave one of them out");
+    }
+    lab.validate();
+    say_options(*command, lab.given_now, log);
+    std::vector<std::filesystem::path> outputs = lab_outputs(out);
+    for (const char* name : kResults) outputs.push_back(std::filesystem::path(out) / name);
+    check_outputs(outputs, {{"c3d", lab.c3d},
+                            {"static", lab.static_trial},
+                            {"model", ik.model},
+                            {"map", lab.map},
+                            {"tasks", ik.tasks},
+                            {"loads", dynamics.loads},
+                            {"scale_setup", lab.scale_setup}});
+    LabJob job = prepare_lab(lab, ik, dynamics, out, log, warnings);
+    ik = job.ik;
+    dynamics = job.dynamics;
+    return job;
+  }
+
+  // Options that only mean something for a laboratory's files.
+  void require_no_lab_options() const {
+    const bool given = !lab.static_trial.empty() || lab.mass || lab.height || !lab.map.empty() ||
+                       !lab.scale_setup.empty() || !lab.assign.empty() || lab.no_scale;
+    if (!given) return;
+    throw std::invalid_argument(
+        "--static, --mass, --height, --scale, --scale-setup, --no-scale, --map and --assign belong "
+        "to a laboratory's trial: give it with --c3d FILE.c3d");
+  }
 
   // Without any file the embedded walk is written to the output folder and run from there.
   void use_example() {
@@ -55,6 +105,14 @@ struct RunCommand {
 
   int run() {
     const auto start = std::chrono::steady_clock::now();
+    std::vector<Warning> warnings;
+    DecisionLog log;
+    std::optional<LabJob> lab_job;
+    if (!lab.c3d.empty() || !lab.decisions.empty()) {
+      lab_job = prepare(log, warnings);
+    } else {
+      require_no_lab_options();
+    }
     if (ik.model.empty() && ik.markers.empty()) use_example();
     const IkInputs inputs = ik.inputs();
     ik.require_files(inputs);
@@ -63,7 +121,6 @@ struct RunCommand {
     files.emplace_back("load_data", dynamics.load_data);
     check_results(files);
 
-    std::vector<Warning> warnings;
     IkJob job = prepare_ik(inputs);
     report(warnings, job.warnings);
     IdJob id_job = prepare_id(job.model, dynamics, std::nullopt, ik.threads, warnings);
@@ -78,7 +135,7 @@ struct RunCommand {
     if (!solved) return kExitFailed;
     report(warnings, frame_warnings(*solved, job.recording.path));
     const auto id_start = std::chrono::steady_clock::now();
-    const std::optional<InverseDynamicsResult> torques =
+    std::optional<InverseDynamicsResult> torques =
         solve_id(job.model, coordinate_table(job.model, *solved), id_job);
     if (!torques) return kExitFailed;
     report(warnings, torques->warnings);
@@ -88,9 +145,22 @@ struct RunCommand {
     if (!job.tracking.wires.empty()) summary["wires"] = wire_summary(job.tracking, *solved);
     summary["inverse_dynamics"] = id_summary(job.model, torques->forces);
     summary["inverse_dynamics"]["seconds"] = seconds_since(id_start);
+    if (lab_job) {
+      summary["laboratory"] = input_summary(lab_job->inputs);
+      summary["decisions"] = log.to_json()["decisions"];
+    }
+    if (lab_job && lab_job->coverage) {
+      const int first = job.options.first_frame;
+      summary["loads"] = coverage_summary(*lab_job->coverage, first, job.model, torques->forces);
+      mark_coverage(*lab_job->coverage, first, torques->forces);
+    }
     summary["warnings"] = warning_summary(warnings);
     summary["seconds"] = seconds_since(start);
     write_results(job, *solved, torques->forces, summary);
+    if (lab_job) {
+      write_decisions(std::filesystem::path(out) / "decisions.json", log, lab_job->inputs,
+                      given_options(*command));
+    }
     print_digest(*solved, summary, id_job.options.cutoff);
     return unconverged_frames(*solved) == 0 ? kExitOk : kExitFailed;
   }
@@ -167,8 +237,23 @@ struct RunCommand {
       fmt::print("  {:<28} RMS {:8.2f} max {:8.2f} {}\n", r["column"].get<std::string>(),
                  r["rms"].get<double>(), r["max"].get<double>(), r["unit"].get<std::string>());
     }
+    if (summary.contains("loads")) print_coverage(summary["loads"]);
     fmt::print("results: {}/{}{}{}\n", out, fmt::join(kResults, ", "),
                summary.contains("wires") ? ", " : "", summary.contains("wires") ? kWires : "");
+  }
+
+  // Where the ground's forces are known, and where torques are not to be believed.
+  static void print_coverage(const nlohmann::ordered_json& loads) {
+    for (const auto& [foot, of_foot] : loads["feet"].items()) {
+      fmt::print("loads of the {} foot are known in {} of {} frames: {}\n", foot,
+                 of_foot["complete_frames"].get<int>(), loads["frames"].get<int>(),
+                 of_foot["complete_times"].get<std::string>());
+    }
+    if (loads["complete_frames"] == loads["frames"]) return;
+    fmt::print(
+        "elsewhere torques of that leg, and residuals at the root, lack the ground's force: "
+        "columns "
+        "..._loads_complete of id.sto are 0 there\n");
   }
 };
 
@@ -178,10 +263,12 @@ void add_run_command(CLI::App& app, int& exit_code) {
   auto command = std::make_shared<RunCommand>();
   CLI::App* sub = app.add_subcommand(
       "run",
-      "Markers and ground forces to joint angles and joint torques; without files, the "
-      "embedded walk");
+      "A laboratory's C3D file, or markers and ground forces, to joint angles and joint torques; "
+      "without files, the embedded walk");
   command->ik.add_to(*sub);
   command->dynamics.add_to(*sub);
+  command->lab.add_to(*sub);
+  command->command = sub;
   sub->add_option("--out", command->out, "Folder for the results")->capture_default_str();
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }

@@ -1,0 +1,229 @@
+#include "pipeline/lab_job.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "data/input_file.h"
+#include "data/marker_matching.h"
+#include "data/output_file.h"
+#include "data/trc_file.h"
+#include "model/whole_body.h"
+#include "pipeline/command.h"
+#include "pipeline/ground_reaction.h"
+#include "pipeline/lab_loads.h"
+#include "pipeline/lab_model.h"
+#include "pipeline/lab_motion.h"
+#include "pipeline/lab_recording.h"
+#include "pipeline/setup_files.h"
+
+namespace sinew {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Below it noise of 2 N would move a centre of pressure by a tenth of the platform.
+constexpr double kThreshold = 20.0;  // [N]
+
+constexpr const char* kModel = "model.osim";
+constexpr const char* kGeneric = "model_generic.osim";
+constexpr const char* kMarkers = "markers.trc";
+constexpr const char* kStatic = "static.trc";
+constexpr const char* kFilled = "filled.csv";
+constexpr const char* kForces = "grf.mot";
+constexpr const char* kLoads = "grf.xml";
+constexpr const char* kCoverage = "load_coverage.csv";
+constexpr const char* kTasks = "ik_tasks.xml";
+constexpr const char* kIkSetup = "ik_setup.xml";
+constexpr const char* kIdSetup = "id_setup.xml";
+
+// What the steps hand on.
+class Preparation {
+ public:
+  Preparation(const LabOptions& options, IkOptions ik, IdOptions dynamics, const fs::path& folder,
+              DecisionLog& log, std::vector<Warning>& warnings)
+      : options_(options), folder_(folder), log_(log), warnings_(warnings) {
+    job_.ik = std::move(ik);
+    job_.dynamics = std::move(dynamics);
+  }
+
+  LabJob prepare() {
+    gather_inputs();
+    const GenericModel generic = generic_model(job_.ik.model, options_, folder_);
+    report(warnings_, generic.model.warnings);
+    threshold_ = log_.settle_number(
+        {"threshold", {}, kThreshold, "[N] what laboratories use", {}, "", "--threshold"}, true);
+    LabTrial walk = read_lab_recording(options_.c3d, "", options_, threshold_, log_, warnings_);
+    MarkerTrajectories markers = name(walk, "", generic.model);
+    scale(generic, walk, markers);
+    condition_lab_markers(markers, walk.file.path, folder_ / kModel, folder_ / kFilled, log_,
+                          warnings_);
+    write_trc(folder_ / kMarkers, markers);
+    settle_motion(markers);
+    assign_loads(walk, markers);
+    write_setups();
+    return std::move(job_);
+  }
+
+ private:
+  void gather_inputs() {
+    job_.inputs = {{"c3d", options_.c3d},          {"static", options_.static_trial},
+                   {"map", options_.map},          {"scale_setup", options_.scale_setup},
+                   {"tasks", job_.ik.tasks},       {"task_coordinates", job_.ik.coordinates},
+                   {"loads", job_.dynamics.loads}, {"load_data", job_.dynamics.load_data}};
+    if (!find_whole_body(job_.ik.model)) job_.inputs.emplace_back("model", job_.ik.model);
+  }
+
+  MarkerTrajectories name(const LabTrial& trial, const std::string& which,
+                          const MusculoskeletalModel& model) {
+    std::vector<std::string> names;
+    for (const Marker& marker : model.markers) names.push_back(marker.name);
+    return name_lab_markers(trial, which, names, options_, log_, warnings_);
+  }
+
+  void scale(const GenericModel& generic, const LabTrial& walk, const MarkerTrajectories& markers) {
+    const MarkerFile walking{walk.file.path, markers, {}};
+    std::optional<MarkerFile> standing;
+    std::vector<ForcePlatformRecording> plates;
+    if (!options_.static_trial.empty()) {
+      const LabTrial trial = read_lab_recording(options_.static_trial, "static ", options_,
+                                                threshold_, log_, warnings_);
+      standing = MarkerFile{trial.file.path, name(trial, "static ", generic.model), {}};
+      plates = trial.plates;
+      write_trc(folder_ / kStatic, standing->markers);
+    }
+    model_ = settle_model(generic, walking, standing ? &*standing : nullptr, plates, options_,
+                          job_.ik.threads, folder_ / kModel, log_, warnings_);
+    job_.ik.model = (folder_ / kModel).string();
+  }
+
+  void settle_motion(const MarkerTrajectories& markers) {
+    const auto [from, to] = settle_range(markers, model_, log_);
+    job_.ik.from = from;
+    job_.ik.to = to;
+    job_.ik.markers = (folder_ / kMarkers).string();
+    job_.ik.filled = (folder_ / kFilled).string();
+    job_.ik.filled_weight = log_.settle_number(
+        {"filled weight",
+         {},
+         kFilledWeight,
+         "of a measured marker's: filled positions are off by about three times as much",
+         {},
+         "",
+         "--filled-weight"},
+        true);
+    if (job_.ik.tasks.empty()) {
+      write_file_atomically(folder_ / kTasks,
+                            ik_tasks_document("lab", lab_tasks(markers, model_, log_)));
+      job_.ik.tasks = (folder_ / kTasks).string();
+    }
+    const bool gaps = has_gaps(markers, model_, from, to);
+    job_.dynamics.cutoff =
+        log_.settle_number({"coordinate cutoff",
+                            {},
+                            gaps ? kDefaultCutoff : -1.0,
+                            gaps ? "[Hz] gaps that stay make coordinates jump"
+                                 : "not filtered again: the markers are filtered as the forces are",
+                            {},
+                            "",
+                            "--cutoff"});
+  }
+
+  void assign_loads(LabTrial& walk, const MarkerTrajectories& markers) {
+    if (!job_.dynamics.loads.empty()) return;
+    if (!has_platforms(walk.plates)) {
+      report(warnings_,
+             {{{walk.file.path},
+               "has no force platform that can be used: torques lack whatever the ground does; "
+               "--loads FILE.xml gives forces from elsewhere"}});
+      return;
+    }
+    double cutoff = -1.0;
+    for (const Decision& decision : log_.decisions()) {
+      if (decision.name == "marker cutoff") cutoff = decision.value.get<double>();
+    }
+    const FootAssignment assignment = settle_contacts(walk.plates, markers, walk.file.path, model_,
+                                                      threshold_, cutoff, options_, log_);
+    write_ground_reactions(assignment, walk.plates, foot_loads(assignment, walk.plates),
+                           folder_ / kForces, folder_ / kLoads);
+    job_.dynamics.loads = (folder_ / kLoads).string();
+    job_.coverage = load_coverage(markers, assignment, walk.plates);
+    write_file_atomically(folder_ / kCoverage, load_coverage_csv(*job_.coverage, markers.time));
+  }
+
+  // Paths are relative, so that the folder can be moved; those of the user's own files are not.
+  void write_setups() const {
+    IkSetup ik;
+    ik.name = "lab";
+    ik.model_file = kModel;
+    ik.marker_file = kMarkers;
+    const fs::path tasks = job_.ik.tasks;
+    ik.task_set.path =
+        tasks == folder_ / kTasks ? kTasks : fs::absolute(tasks).lexically_normal().string();
+    ik.from = job_.ik.from;
+    ik.to = job_.ik.to;
+    ik.output_motion_file = "ik.mot";
+    write_file_atomically(folder_ / kIkSetup, ik_setup_document(ik));
+    IdSetup id;
+    id.name = "lab";
+    id.model_file = kModel;
+    id.coordinates_file = "ik.mot";
+    const fs::path loads = job_.dynamics.loads;
+    if (!loads.empty()) {
+      id.external_loads_file =
+          loads == folder_ / kLoads ? fs::path(kLoads) : fs::absolute(loads).lexically_normal();
+    }
+    id.from = job_.ik.from;
+    id.to = job_.ik.to;
+    id.cutoff = job_.dynamics.cutoff.value_or(-1.0);
+    id.output_file = "id.sto";
+    write_file_atomically(folder_ / kIdSetup, id_setup_document(id));
+  }
+
+  const LabOptions& options_;
+  const fs::path folder_;
+  DecisionLog& log_;
+  std::vector<Warning>& warnings_;
+  double threshold_ = kThreshold;
+  MusculoskeletalModel model_;
+  LabJob job_;
+};
+
+}  // namespace
+
+std::vector<fs::path> lab_outputs(const fs::path& folder) {
+  std::vector<fs::path> outputs;
+  for (const char* name : {kModel, kGeneric, kMarkers, kStatic, kFilled, kForces, kLoads, kCoverage,
+                           kTasks, kIkSetup, kIdSetup, "decisions.json"}) {
+    outputs.push_back(folder / name);
+  }
+  outputs.push_back(contacts_path(folder / kForces));
+  return outputs;
+}
+
+LabJob prepare_lab(const LabOptions& options, IkOptions ik, IdOptions dynamics,
+                   const fs::path& folder, DecisionLog& log, std::vector<Warning>& warnings) {
+  options.validate();
+  if (ik.model.empty()) {
+    throw std::invalid_argument(
+        "no model: give --model FILE.osim, or one of the built-in bodies, whole-body and "
+        "whole-body-detailed");
+  }
+  return Preparation(options, std::move(ik), std::move(dynamics), folder, log, warnings).prepare();
+}
+
+void write_decisions(const fs::path& file, const DecisionLog& log, const InputFiles& inputs,
+                     const nlohmann::ordered_json& options) {
+  nlohmann::ordered_json json = log.to_json(), files = nlohmann::ordered_json::object();
+  for (const auto& [role, path] : inputs) {
+    if (path.empty()) continue;
+    const fs::path relative = fs::absolute(path).lexically_normal().lexically_relative(
+        fs::absolute(file).lexically_normal().parent_path());
+    files[role] = {{"path", relative.generic_string()}, {"sha256", sha256_of_file(path)}};
+  }
+  json["inputs"] = files;
+  json["options"] = options;
+  write_file_atomically(file, json.dump(2) + "\n");
+}
+
+}  // namespace sinew

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "data/force_platform.h"
+#include "data/marker_trajectories.h"
+#include "model/musculoskeletal_model.h"
+#include "pipeline/decisions.h"
+#include "pipeline/lab_options.h"
+
+namespace sinew {
+
+/// The generic model: a file as it is, or a built-in body of the options' height, mass and sex,
+/// which is written to `folder`. Throws as read_osim() and WholeBodyOptions::validate() do, and
+/// std::invalid_argument for sizes given for a file.
+struct GenericModel {
+  std::filesystem::path file;
+  bool built_in = false;
+  MusculoskeletalModel model;
+};
+GenericModel generic_model(const std::string& name, const LabOptions& options,
+                           const std::filesystem::path& folder);
+
+/// Mass of who stands on the platforms [kg]: the mean force that they carry together in the longest
+/// stretch of at least 0.5 s in which it stays within 5 % of its middle, over g. Nothing where
+/// there is no such stretch.
+std::optional<double> standing_mass(const std::vector<ForcePlatformRecording>& plates);
+
+/// Scales the generic model to the subject and writes `file`: by an OpenSim setup, by the static
+/// trial, by the walk, by the mass alone, or not at all, as is settled. `standing` may be null;
+/// both recordings have the model's marker names. Returns the model as it is read back.
+MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile& walk,
+                                  const MarkerFile* standing,
+                                  const std::vector<ForcePlatformRecording>& standing_plates,
+                                  const LabOptions& options, int threads,
+                                  const std::filesystem::path& file, DecisionLog& log,
+                                  std::vector<Warning>& warnings);
+
+}  // namespace sinew

@@ -1,0 +1,201 @@
+#include "pipeline/lab_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "data/output_file.h"
+#include "data/text.h"
+#include "ik/tracking.h"
+#include "model/kinematic_tree.h"
+#include "pipeline/command.h"
+#include "pipeline/prepare_options.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kRunningSpeed = 2.2;                          // [m/s]
+constexpr double kWalkingCutoff = 6.0, kRunningCutoff = 15.0;  // [Hz]
+// Splines are off by 2 to 3 mm over this time and by 8 to 17 mm over twice as much: kFilledWeight.
+constexpr double kMaxGap = 0.1;  // [s]
+// A joint that no marker sees lies within 0.3 rad (one standard deviation) of its default, a marker
+// within 1 cm of its place: (0.01 / 0.3)² [1/rad² over 1/m²].
+constexpr double kPostureWeight = 1e-3;
+
+// Markers that the model has, by index.
+std::vector<int> tracked_markers(const MarkerTrajectories& markers,
+                                 const MusculoskeletalModel& model) {
+  std::vector<int> tracked;
+  for (int i = 0; i < markers.marker_count(); ++i) {
+    if (model.find_marker(markers.names[static_cast<std::size_t>(i)]) >= 0) tracked.push_back(i);
+  }
+  return tracked;
+}
+
+bool is_measured(const MarkerTrajectories& markers, int frame, int marker) {
+  return !std::isnan(markers.p_WM(frame, 3 * marker));
+}
+
+int measured_count(const MarkerTrajectories& markers, int frame, const std::vector<int>& which) {
+  return static_cast<int>(std::count_if(which.begin(), which.end(),
+                                        [&](int m) { return is_measured(markers, frame, m); }));
+}
+
+// Horizontal way of the middle of all markers over time, of those frames in which it is known.
+double speed_of(const MarkerTrajectories& markers) {
+  double way = 0.0, time = 0.0;
+  for (int m = 0; m < markers.marker_count(); ++m) {
+    int first = -1, last = -1;
+    for (int f = 0; f < markers.frame_count(); ++f) {
+      if (!is_measured(markers, f, m)) continue;
+      if (first < 0) first = f;
+      last = f;
+    }
+    if (first < 0 || last == first) continue;
+    Eigen::Vector3d d = markers.position(last, m) - markers.position(first, m);
+    d.y() = 0.0;
+    way += d.norm();
+    time += markers.time[last] - markers.time[first];
+  }
+  return time > 0.0 ? way / time : 0.0;
+}
+
+// The frame in which most markers are measured.
+int fullest_frame(const MarkerTrajectories& markers, const std::vector<int>& which) {
+  int best = 0, most = -1;
+  for (int f = 0; f < markers.frame_count(); ++f) {
+    const int count = measured_count(markers, f, which);
+    if (count <= most) continue;
+    most = count;
+    best = f;
+  }
+  return best;
+}
+
+}  // namespace
+
+Decision matched_cutoff(const MarkerTrajectories& markers) {
+  const double speed = speed_of(markers);
+  const bool runs = speed > kRunningSpeed;
+  const double cutoff = runs ? kRunningCutoff : kWalkingCutoff;
+  Decision decision{"marker cutoff",
+                    {},
+                    cutoff,
+                    fmt::format("{} at {:.2g} m/s", runs ? "running" : "walking", speed),
+                    {},
+                    "",
+                    "--marker-cutoff"};
+  if (cutoff >= 0.5 * markers.rate) {
+    decision.found = -1;
+    decision.why = fmt::format("{} Hz is not below half of the markers' {} Hz", cutoff,
+                               text::format_number(markers.rate));
+  }
+  return decision;
+}
+
+void condition_lab_markers(MarkerTrajectories& markers, const std::string& path,
+                           const std::filesystem::path& model_file,
+                           const std::filesystem::path& filled_file, DecisionLog& log,
+                           std::vector<Warning>& warnings) {
+  PrepareOptions prepare;
+  prepare.segments_from = model_file.string();
+  prepare.max_gap = log.settle_number(
+      {"max gap", {}, kMaxGap, "[s] by a spline, about ten frames", {}, "", "--max-gap"}, true);
+  prepare.fill_rigid =
+      log.settle_flag({"fill rigid",
+                       {},
+                       true,
+                       "from three or more markers of the same body, gaps of any length",
+                       {},
+                       "",
+                       "--no-fill-rigid"},
+                      true);
+  const double cutoff = log.settle_number(matched_cutoff(markers));
+  if (cutoff > 0.0) prepare.marker_cutoff = cutoff;
+  const MarkerTrajectories before = markers;
+  const GapFillResult filled = prepare_markers(markers, path, prepare, warnings);
+  write_file_atomically(filled_file, filled_gaps_csv(before, filled));
+}
+
+std::pair<double, double> settle_range(const MarkerTrajectories& markers,
+                                       const MusculoskeletalModel& model, DecisionLog& log) {
+  const std::vector<int> tracked = tracked_markers(markers, model);
+  int first = -1, last = -1;
+  for (int f = 0; f < markers.frame_count(); ++f) {
+    if (2 * measured_count(markers, f, tracked) < static_cast<int>(tracked.size())) continue;
+    if (first < 0) first = f;
+    last = f;
+  }
+  const char* why = "[s] where at least half of the tracked markers are measured";
+  if (first < 0) {
+    first = 0;
+    last = markers.frame_count() - 1;
+    why = "[s] the whole record, though nowhere half of the tracked markers are measured";
+  }
+  const double from = log.settle_number({"from", {}, markers.time[first], why, {}, "", "--from"});
+  const double to = log.settle_number({"to", {}, markers.time[last], why, {}, "", "--to"});
+  return {from, to};
+}
+
+bool has_gaps(const MarkerTrajectories& markers, const MusculoskeletalModel& model, double from,
+              double to) {
+  for (const int m : tracked_markers(markers, model)) {
+    bool measured = false, missing = false;
+    for (int f = 0; f < markers.frame_count(); ++f) {
+      if (markers.time[f] < from || markers.time[f] > to) continue;
+      (is_measured(markers, f, m) ? measured : missing) = true;
+    }
+    if (measured && missing) return true;
+  }
+  return false;
+}
+
+std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
+                              DecisionLog& log) {
+  std::vector<IkTask> tasks;
+  const std::vector<int> tracked = tracked_markers(markers, model);
+  for (const int m : tracked) {
+    if (!markers.p_WM.col(3 * m).array().isFinite().any()) continue;
+    IkTask task;
+    task.name = markers.names[static_cast<std::size_t>(m)];
+    tasks.push_back(task);
+  }
+  const KinematicTree tree = compile_tree(model);
+  BindingOptions markers_only;
+  markers_only.wires.use = WireOptions::Use::kNone;
+  markers_only.wires.virtual_link_weight = 0.0;
+  const MarkerFile recording{"markers", markers, {}};
+  const TrackingProblem tracking =
+      bind_recording(model, tree, recording, nullptr, nullptr, markers_only);
+  IkTargets targets(tracking.problem);
+  set_targets(tracking, markers, fullest_frame(markers, tracked), targets);
+  nlohmann::ordered_json free = nlohmann::ordered_json::array();
+  for (const int c : undetermined_coordinates(model, tree, tracking, targets, tree.default_q)) {
+    const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
+    if (model.bodies[static_cast<std::size_t>(coordinate.joint) + 1].virtual_link) continue;
+    free.push_back(coordinate.name);
+  }
+  const double weight = log.settle_number(
+      {"posture weight",
+       {},
+       kPostureWeight,
+       fmt::format("[1/rad²] draws {} coordinates that the markers do not determine to their "
+                   "defaults",
+                   free.size()),
+       {},
+       "",
+       "--posture-weight"},
+      true);
+  for (const auto& name : free) {
+    IkTask task;
+    task.kind = IkTask::Kind::kCoordinate;
+    task.name = name.get<std::string>();
+    task.weight = weight;
+    if (weight > 0.0) tasks.push_back(task);
+  }
+  return tasks;
+}
+
+}  // namespace sinew

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "data/gap_filling.h"
+#include "data/marker_trajectories.h"
+#include "data/tool_setup.h"
+#include "model/musculoskeletal_model.h"
+#include "pipeline/decisions.h"
+
+namespace sinew {
+
+/// The low-pass that markers and forces share, so that neither is smoother than what it is weighed
+/// against (Kristianslund, Krosshaug, van den Bogert 2012, J Biomech 45:666-671): 6 Hz for walking
+/// (Winter 2009, sec. 3.4.4), 15 Hz where the pelvis, or the mean of all markers, goes faster than
+/// 2.2 m/s, which is beyond where people break into a run.
+Decision matched_cutoff(const MarkerTrajectories& markers);
+
+/// Fills gaps and filters in place, settling how; `model_file` tells which markers sit on one body.
+/// Writes the list of filled samples.
+void condition_lab_markers(MarkerTrajectories& markers, const std::string& path,
+                           const std::filesystem::path& model_file,
+                           const std::filesystem::path& filled_file, DecisionLog& log,
+                           std::vector<Warning>& warnings);
+
+/// Settles from and to: from the first frame to the last in which at least half of the model's
+/// recorded markers are measured.
+std::pair<double, double> settle_range(const MarkerTrajectories& markers,
+                                       const MusculoskeletalModel& model, DecisionLog& log);
+
+/// Whether between these times some marker that is tracked comes or goes, so that coordinates jump.
+bool has_gaps(const MarkerTrajectories& markers, const MusculoskeletalModel& model, double from,
+              double to);
+
+/// A task for every marker that model and recording share, with weight 1, and one for every
+/// coordinate that these leave undetermined, which draws it to its default.
+std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
+                              DecisionLog& log);
+
+}  // namespace sinew
