@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "data/input_file.h"
 #include "data/output_file.h"
+#include "data/standing_mass.h"
 #include "model/osim_file.h"
 #include "model/osim_writer.h"
 #include "model/whole_body.h"
@@ -16,31 +15,6 @@
 
 namespace sinew {
 namespace {
-
-constexpr double kGravity = 9.80665;    // [m/s²]
-constexpr double kLeastStanding = 0.5;  // [s]
-constexpr double kSway = 0.05;          // of the weight, that standing still stays within
-constexpr double kLeastWeight = 50.0;   // [N]
-
-// The vertical force of all platforms together, at the first one's rate.
-Eigen::VectorXd total_force(const std::vector<ForcePlatformRecording>& plates) {
-  Eigen::VectorXd total;
-  for (const ForcePlatformRecording& plate : plates) {
-    if (!plate.platform.usable()) continue;
-    if (total.size() == 0) total = Eigen::VectorXd::Zero(plate.force.rows());
-    const Eigen::Index rows = std::min(total.size(), plate.force.rows());
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      if (std::isfinite(plate.force(i, 1))) total[i] += plate.force(i, 1);
-    }
-  }
-  return total;
-}
-
-double middle(Eigen::VectorXd values) {
-  auto* const at = values.data() + values.size() / 2;
-  std::nth_element(values.data(), at, values.data() + values.size());
-  return *at;
-}
 
 void set_mass(const ScaledModel& scaled, const std::optional<double>& mass) {
   double sum = 0.0;
@@ -140,25 +114,6 @@ GenericModel generic_model(const std::string& name, const LabOptions& options,
   write_file_atomically(generic.file, write_osim(whole_body(*body)));
   generic.model = read_osim(generic.file);
   return generic;
-}
-
-std::optional<double> standing_mass(const std::vector<ForcePlatformRecording>& plates) {
-  const Eigen::VectorXd total = total_force(plates);
-  if (total.size() == 0) return std::nullopt;
-  const double weight = middle(total);
-  if (weight < kLeastWeight) return std::nullopt;
-  Eigen::Index first = 0, longest_first = 0, longest = 0;
-  for (Eigen::Index i = 0; i <= total.size(); ++i) {
-    const bool still = i < total.size() && std::abs(total[i] - weight) < kSway * weight;
-    if (still) continue;
-    if (i - first > longest) {
-      longest = i - first;
-      longest_first = first;
-    }
-    first = i + 1;
-  }
-  if (static_cast<double>(longest) < kLeastStanding * plates.front().rate) return std::nullopt;
-  return total.segment(longest_first, longest).mean() / kGravity;
 }
 
 MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile& walk,

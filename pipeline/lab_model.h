@@ -23,11 +23,6 @@ struct GenericModel {
 GenericModel generic_model(const std::string& name, const LabOptions& options,
                            const std::filesystem::path& folder);
 
-/// Mass of who stands on the platforms [kg]: the mean force that they carry together in the longest
-/// stretch of at least 0.5 s in which it stays within 5 % of its middle, over g. Nothing where
-/// there is no such stretch.
-std::optional<double> standing_mass(const std::vector<ForcePlatformRecording>& plates);
-
 /// Scales the generic model to the subject and writes `file`: by an OpenSim setup, by the static
 /// trial, by the walk, by the mass alone, or not at all, as is settled. `standing` may be null;
 /// both recordings have the model's marker names. Returns the model as it is read back.
