@@ -145,7 +145,8 @@ void Articulated::collect_joint_stiffness(const Iterate& at) {
   rows_.update(at.tree, at.workspace);
   std::fill(joint_stiffness_.begin(), joint_stiffness_.end(), Matrix6d::Zero());
   rows_.for_each(at.problem, *at.targets, at.workspace,
-                 [&](std::span<const int> unknowns, std::span<const double> row, double weight) {
+                 [&](int support, std::span<const double> row, double weight) {
+                   const std::span<const int> unknowns = rows_.support(support);
                    if (unknowns.empty()) return;
                    const auto v_of = [&](std::size_t i) {
                      return at.tree.unknown_v[static_cast<std::size_t>(unknowns[i])];

@@ -10,18 +10,14 @@ namespace sinew {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-GaussNewtonCurvature::GaussNewtonCurvature(const KinematicTree& tree, const IkProblem& problem)
-    : K_(tree.links.size(), Matrix6d::Zero()), rows_(tree, problem), diagonal_v_(tree.v_count()) {}
-
-void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& problem,
-                                  const IkTargets& targets, const KinematicWorkspace& ws) {
-  rows_.update(tree, ws);
-  std::fill(K_.begin(), K_.end(), Matrix6d::Zero());
+void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
+                        const KinematicWorkspace& ws, const Vector3d& origin,
+                        std::vector<Matrix6d>& K) {
   for (std::size_t i = 0; i < problem.positions.size(); ++i) {
     if (std::isnan(targets.positions[i].x())) continue;
     const PositionResidual& r = problem.positions[i];
     const auto link = static_cast<std::size_t>(r.link);
-    add_point_stiffness(K_[link], ws.X_WB[link] * r.p_BP - rows_.origin(),
+    add_point_stiffness(K[link], ws.X_WB[link] * r.p_BP - origin,
                         position_weight(problem, targets, i));
   }
   for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
@@ -31,8 +27,75 @@ void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& pr
     const Matrix3d R_WF = ws.X_WB[link].R * r.R_BF;
     const Matrix3d rate =
         rotation_vector_rate(rotation_vector(targets.orientations[i] * R_WF.transpose()));
-    K_[link].topLeftCorner<3, 3>() += rate.transpose() * r.weight * rate;
+    K[link].topLeftCorner<3, 3>() += rate.transpose() * r.weight * rate;
   }
+}
+
+namespace {
+
+// Links that a residual between a link and the world can see, by itself or by one further out.
+std::vector<char> seen_from_the_world(const KinematicTree& tree, const IkProblem& problem) {
+  std::vector<char> seen(tree.links.size(), 0);
+  for (const PositionResidual& r : problem.positions) seen[static_cast<std::size_t>(r.link)] = 1;
+  for (const OrientationResidual& r : problem.orientations) {
+    seen[static_cast<std::size_t>(r.link)] = 1;
+  }
+  for (std::size_t b = tree.links.size() - 1; b > 0; --b) {
+    if (seen[b]) seen[static_cast<std::size_t>(tree.links[b].parent)] = 1;
+  }
+  return seen;
+}
+
+}  // namespace
+
+GaussNewtonCurvature::GaussNewtonCurvature(const KinematicTree& tree, const IkProblem& problem)
+    : K_(tree.links.size(), Matrix6d::Zero()), rows_(tree, problem), diagonal_v_(tree.v_count()) {
+  list_entries(tree, problem);
+}
+
+void GaussNewtonCurvature::list_entries(const KinematicTree& tree, const IkProblem& problem) {
+  const int last = tree.unknown_count() - 1;
+  const auto add_entry = [&](int x, int y) {
+    entries_.push_back({last - std::min(x, y), last - std::max(x, y)});
+  };
+  const std::vector<char> seen = seen_from_the_world(tree, problem);
+  for (std::size_t b = 1; b < tree.links.size(); ++b) {
+    if (!seen[b]) continue;
+    const KinematicTree::Link& own = tree.links[b];
+    for (int v = own.first_v; v < own.first_v + own.v_count; ++v) {
+      if (rows_.driver(v) < 0) continue;
+      Column column{v, static_cast<int>(b), static_cast<int>(partners_.size()), 0};
+      for (auto a = static_cast<int>(b); a > 0;
+           a = tree.links[static_cast<std::size_t>(a)].parent) {
+        const KinematicTree::Link& link = tree.links[static_cast<std::size_t>(a)];
+        const int end = std::min(v + 1, link.first_v + link.v_count);
+        for (int u = link.first_v; u < end; ++u) {
+          if (rows_.driver(u) < 0) continue;
+          partners_.push_back(u);
+          ++column.partner_count;
+          add_entry(rows_.driver(v), rows_.driver(u));
+        }
+      }
+      columns_.push_back(column);
+    }
+  }
+  for (const CoordinateResidual& r : problem.coordinates) {
+    if (rows_.driver(r.v) >= 0) add_entry(rows_.driver(r.v), rows_.driver(r.v));
+  }
+  for (int i = 0; i < rows_.support_count(); ++i) {
+    row_entry_.push_back(entries_.size());
+    const std::span<const int> unknowns = rows_.support(i);
+    for (std::size_t j = 0; j < unknowns.size(); ++j) {
+      for (std::size_t k = 0; k <= j; ++k) add_entry(unknowns[j], unknowns[k]);
+    }
+  }
+}
+
+void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& problem,
+                                  const IkTargets& targets, const KinematicWorkspace& ws) {
+  rows_.update(tree, ws);
+  std::fill(K_.begin(), K_.end(), Matrix6d::Zero());
+  add_link_stiffness(problem, targets, ws, rows_.origin(), K_);
   for (std::size_t b = tree.links.size() - 1; b > 0; --b) {
     const auto parent = static_cast<std::size_t>(tree.links[b].parent);
     if (parent > 0) K_[parent] += K_[b];
@@ -61,78 +124,68 @@ void GaussNewtonCurvature::diagonal(const KinematicTree& tree, const IkProblem& 
     diagonal[x] = diagonal_v_[tree.unknown_v[static_cast<std::size_t>(x)]];
   }
   rows_.for_each(problem, targets, ws,
-                 [&](std::span<const int> unknowns, std::span<const double> row, double weight) {
+                 [&](int support, std::span<const double> row, double weight) {
+                   const std::span<const int> unknowns = rows_.support(support);
                    for (std::size_t i = 0; i < row.size(); ++i)
                      diagonal[unknowns[i]] += weight * row[i] * row[i];
                  });
 }
 
-void GaussNewtonCurvature::matrix(const KinematicTree& tree, const IkProblem& problem,
-                                  const IkTargets& targets, const KinematicWorkspace& ws,
-                                  Eigen::MatrixXd& H) {
-  H.setZero();
-  add_reversed(tree, problem, targets, ws, H);
-  H.reverseInPlace();
-  H.triangularView<Eigen::StrictlyLower>() = H.transpose();
-}
-
-// Sᵀ K S of every v with itself and with those of the joints on the way to the root.
-void GaussNewtonCurvature::add_composite(const KinematicTree& tree, Eigen::MatrixXd& R) const {
-  const auto last = static_cast<int>(R.rows()) - 1;
+template <typename Place>
+void GaussNewtonCurvature::add(const IkProblem& problem, const IkTargets& targets,
+                               const KinematicWorkspace& ws, const Place& place) {
   const std::vector<Vector6d>& S = rows_.twists();
-  for (std::size_t b = 1; b < tree.links.size(); ++b) {
-    if (K_[b].isZero(0.0)) continue;
-    const KinematicTree::Link& own = tree.links[b];
-    for (int v = own.first_v; v < own.first_v + own.v_count; ++v) {
-      const int x = rows_.driver(v);
-      if (x < 0) continue;
-      const Vector6d F = rows_.driver_slope(v) * (K_[b] * S[static_cast<std::size_t>(v)]);
-      for (auto a = static_cast<int>(b); a > 0;
-           a = tree.links[static_cast<std::size_t>(a)].parent) {
-        const KinematicTree::Link& link = tree.links[static_cast<std::size_t>(a)];
-        const int end = std::min(v + 1, link.first_v + link.v_count);
-        for (int u = link.first_v; u < end; ++u) {
-          const int y = rows_.driver(u);
-          if (y < 0) continue;
-          const double h = rows_.driver_slope(u) * S[static_cast<std::size_t>(u)].dot(F);
-          // One unknown may drive both: then both (u, v) and (v, u) fall on its diagonal.
-          R(last - std::min(x, y), last - std::max(x, y)) += x == y && u != v ? 2.0 * h : h;
-        }
-      }
+  std::size_t k = 0;
+  for (const Column& column : columns_) {  // Sᵀ K S
+    const auto v = static_cast<std::size_t>(column.v);
+    const Vector6d F =
+        rows_.driver_slope(column.v) * (K_[static_cast<std::size_t>(column.link)] * S[v]);
+    const int* const partners = partners_.data() + column.first_partner;
+    const int x = rows_.driver(column.v);
+    for (int i = 0; i < column.partner_count; ++i, ++k) {
+      const int u = partners[i];
+      const double h = rows_.driver_slope(u) * S[static_cast<std::size_t>(u)].dot(F);
+      // One unknown may drive both: then both (u, v) and (v, u) fall on its diagonal.
+      place(k) += u != column.v && rows_.driver(u) == x ? 2.0 * h : h;
     }
   }
-}
-
-void GaussNewtonCurvature::add_reversed(const KinematicTree& tree, const IkProblem& problem,
-                                        const IkTargets& targets, const KinematicWorkspace& ws,
-                                        Eigen::MatrixXd& R) {
-  const auto last = static_cast<int>(R.rows()) - 1;
-  add_composite(tree, R);
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
-    if (std::isnan(targets.coordinates[i])) continue;
-    const int x = rows_.driver(problem.coordinates[i].v);
-    const double slope = rows_.driver_slope(problem.coordinates[i].v);
-    if (x >= 0) R(last - x, last - x) += problem.coordinates[i].weight * slope * slope;
+    const CoordinateResidual& r = problem.coordinates[i];
+    if (rows_.driver(r.v) < 0) continue;
+    const double slope = rows_.driver_slope(r.v);
+    double& entry = place(k++);
+    if (!std::isnan(targets.coordinates[i])) entry += r.weight * slope * slope;
   }
   rows_.for_each(problem, targets, ws,
-                 [&](std::span<const int> unknowns, std::span<const double> row, double weight) {
-                   for (std::size_t j = row.size(); j-- > 0;) {
+                 [&](int support, std::span<const double> row, double weight) {
+                   std::size_t entry = row_entry_[static_cast<std::size_t>(support)];
+                   for (std::size_t j = 0; j < row.size(); ++j) {
                      const double scaled = weight * row[j];
-                     if (scaled == 0.0) continue;
-                     double* const column = R.col(last - unknowns[j]).data() + last;
-                     for (std::size_t i = 0; i <= j; ++i) column[-unknowns[i]] += scaled * row[i];
+                     for (std::size_t i = 0; i <= j; ++i) place(entry++) += scaled * row[i];
                    }
                  });
+}
+
+void GaussNewtonCurvature::add_reversed(const IkProblem& problem, const IkTargets& targets,
+                                        const KinematicWorkspace& ws, std::span<const int> offsets,
+                                        std::span<double> values) {
+  add(problem, targets, ws,
+      [&](std::size_t k) -> double& { return values[static_cast<std::size_t>(offsets[k])]; });
+}
+
+void GaussNewtonCurvature::matrix(const IkProblem& problem, const IkTargets& targets,
+                                  const KinematicWorkspace& ws, Eigen::MatrixXd& H) {
+  H.setZero();
+  add(problem, targets, ws,
+      [&](std::size_t k) -> double& { return H(entries_[k].row, entries_[k].column); });
+  H.reverseInPlace();
+  H.triangularView<Eigen::StrictlyLower>() = H.transpose();
 }
 
 std::vector<std::vector<int>> GaussNewtonCurvature::reversed_cliques(
     const KinematicTree& tree, const IkProblem& problem) const {
   const int last = tree.unknown_count() - 1;
-  std::vector<char> seen(tree.links.size(), 0);  // from the world, by a residual of its subtree
-  for (const PositionResidual& r : problem.positions) seen[static_cast<std::size_t>(r.link)] = 1;
-  for (const OrientationResidual& r : problem.orientations) {
-    seen[static_cast<std::size_t>(r.link)] = 1;
-  }
+  const std::vector<char> seen = seen_from_the_world(tree, problem);
   std::vector<std::vector<int>> cliques;
   for (std::size_t b = 1; b < tree.links.size(); ++b) {
     if (!seen[b]) continue;

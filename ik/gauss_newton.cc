@@ -16,7 +16,11 @@ GaussNewton::GaussNewton(const KinematicTree& tree, const IkProblem& problem,
     : options_(options),
       curvature_(tree, problem),
       factor_(tree.unknown_count(), curvature_.reversed_cliques(tree, problem)),
-      held_(static_cast<std::size_t>(tree.unknown_count()), 0) {}
+      held_(static_cast<std::size_t>(tree.unknown_count()), 0) {
+  for (const GaussNewtonCurvature::Entry& entry : curvature_.entries()) {
+    offsets_.push_back(factor_.offset(entry.row, entry.column));
+  }
+}
 
 void GaussNewton::start() {
   relative_mu_ = options_.damping;
@@ -26,9 +30,9 @@ void GaussNewton::start() {
 bool GaussNewton::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   curvature_.update(at.tree, at.problem, *at.targets, at.workspace);
   factor_.clear();
-  curvature_.add_reversed(at.tree, at.problem, *at.targets, at.workspace, factor_.matrix());
+  curvature_.add_reversed(at.problem, *at.targets, at.workspace, offsets_, factor_.values());
   std::reverse_copy(at.held.begin(), at.held.end(), held_.begin());
-  const double scale = std::max(factor_.matrix().diagonal().mean(), 1e-300);
+  const double scale = std::max(factor_.mean_diagonal(), 1e-300);
   while (!factor_.factorize(relative_mu_ * scale, held_)) {
     relative_mu_ *= 10.0;
     if (!(relative_mu_ < kLargestRelativeMu)) return false;

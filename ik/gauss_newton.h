@@ -36,7 +36,8 @@ class GaussNewton : public Direction {
   Options options_;
   GaussNewtonCurvature curvature_;
   SupernodalCholesky factor_;  // unknowns in reverse order
-  std::vector<char> held_;     // likewise
+  std::vector<int> offsets_;   // of the curvature's entries in the factor's values
+  std::vector<char> held_;     // unknowns in reverse order
   double relative_mu_ = 0.0, growth_ = 2.0;
   double expected_ = kNaN;
 };

@@ -23,13 +23,13 @@ class InternalRows {
   /// Twists and coupling slopes of this pose, for all that follows. Needs update_kinematics().
   void update(const KinematicTree& tree, const KinematicWorkspace& workspace);
 
-  /// Calls use(unknowns, row, weight) for every row of a residual that is measured and not slack:
-  /// `unknowns` ascending, `row` its entry for each.
+  /// Calls use(i, row, weight) for every row of a residual that is measured and not slack; row[k]
+  /// is the entry of support(i)[k].
   template <typename Use>
   void for_each(const IkProblem& problem, const IkTargets& targets,
                 const KinematicWorkspace& workspace, const Use& use);
 
-  /// The unknowns of every residual that can have a row.
+  /// The unknowns of every residual that can have a row, ascending.
   int support_count() const { return static_cast<int>(supports_.size()); }
   std::span<const int> support(int i) const {
     const Support& s = supports_[static_cast<std::size_t>(i)];
@@ -64,10 +64,8 @@ class InternalRows {
   void put_moment(const Support& support, int point, const Eigen::Vector3d& m);
   std::span<const double> row(const Support& support);
   template <typename Use>
-  void use_row(const Support& support, double weight, const Use& use) {
-    use(std::span<const int>(unknowns_.data() + support.first_unknown,
-                             static_cast<std::size_t>(support.unknown_count)),
-        row(support), weight);
+  void use_row(std::size_t support, double weight, const Use& use) {
+    use(static_cast<int>(support), row(supports_[support]), weight);
   }
 
   std::vector<Support> supports_;  // distances, wires, coincidences, alignments in turn
@@ -99,7 +97,7 @@ void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
     begin(supports_[s]);
     put_force(supports_[s], 0, pa, u);
     put_force(supports_[s], 1, pb, -u);
-    use_row(supports_[s], r.weight, use);
+    use_row(s, r.weight, use);
   }
   for (std::size_t i = 0; i < problem.wires.size(); ++i, ++s) {
     const WireResidual& r = problem.wires[i];
@@ -109,7 +107,7 @@ void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
                         [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d& u) {
                           put_force(supports_[s], point, p, u);
                         });
-    use_row(supports_[s], r.weight, use);
+    use_row(s, r.weight, use);
   }
   for (const CoincidenceResidual& r : problem.coincidences) {
     const Eigen::Vector3d pa = place(r.link_a, r.p_AP), pb = place(r.link_b, r.p_BQ);
@@ -117,7 +115,7 @@ void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
       begin(supports_[s]);
       put_force(supports_[s], 0, pa, Eigen::Vector3d::Unit(axis));
       put_force(supports_[s], 1, pb, -Eigen::Vector3d::Unit(axis));
-      use_row(supports_[s], r.weight, use);
+      use_row(s, r.weight, use);
     }
     ++s;
   }
@@ -126,7 +124,7 @@ void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
       begin(supports_[s]);
       put_moment(supports_[s], 0, Eigen::Vector3d::Unit(axis));
       put_moment(supports_[s], 1, -Eigen::Vector3d::Unit(axis));
-      use_row(supports_[s], r.weight, use);
+      use_row(s, r.weight, use);
     }
     ++s;
   }

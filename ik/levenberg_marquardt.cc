@@ -31,7 +31,7 @@ bool LevenbergMarquardt::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> 
 
 bool LevenbergMarquardt::primal(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   curvature_.update(at.tree, at.problem, *at.targets, at.workspace);
-  curvature_.matrix(at.tree, at.problem, *at.targets, at.workspace, matrix_);  // (32)
+  curvature_.matrix(at.problem, *at.targets, at.workspace, matrix_);  // (32)
   matrix_.diagonal().array() += at.f + options_.lambda;
   for (Eigen::Index x = 0; x < matrix_.rows(); ++x) {
     if (!at.held[static_cast<std::size_t>(x)]) continue;

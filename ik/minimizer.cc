@@ -227,7 +227,8 @@ bool Minimizer::finished(const Iterate& at) {
   } else if (summary_.termination == Termination::kNone &&
              at.iteration >= options_.max_iterations) {
     summary_.termination = Termination::kMaxIterations;
-  } else if (summary_.termination == Termination::kNone && elapsed.count() > options_.time_limit) {
+  } else if (summary_.termination == Termination::kNone &&
+             (elapsed.count() > options_.time_limit || (options_.stop && options_.stop()))) {
     summary_.termination = Termination::kTimeLimit;
   }
   return summary_.termination != Termination::kNone;

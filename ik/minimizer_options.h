@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -60,6 +61,8 @@ struct MinimizerOptions {
   double cost_tolerance = 0.0;
   int max_iterations = 2000;                                    // (e1)
   double time_limit = std::numeric_limits<double>::infinity();  // of one frame [s]
+  // Asked after every iteration; true ends the frame as out of time.
+  std::function<bool()> stop;
 
   // No step turns a joint further than this [rad]. Far from the data the quadratic model promises
   // turns of many radians, which end in other minima. Measured on 1000 frames of the five published

@@ -274,7 +274,7 @@ std::vector<int> undetermined_coordinates(const MusculoskeletalModel& model,
   GaussNewtonCurvature curvature(tree, tracking.problem);
   Eigen::MatrixXd H(tree.unknown_count(), tree.unknown_count());
   curvature.update(tree, tracking.problem, targets, ws);
-  curvature.matrix(tree, tracking.problem, targets, ws, H);
+  curvature.matrix(tracking.problem, targets, ws, H);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(H);
   std::vector<bool> free_v(static_cast<std::size_t>(tree.v_count()), false);
   for (Eigen::Index e = 0; e < H.rows(); ++e) {

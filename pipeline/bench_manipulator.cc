@@ -1,16 +1,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "data/output_file.h"
 #include "ik/manipulator_case.h"
 #include "ik/minimizer.h"
 #include "ik/newton_raphson.h"
 #include "model/simbody_model.h"
+#include "pipeline/bench.h"
 #include "pipeline/command.h"
+#include "pipeline/cpu_time.h"
 #include "pipeline/paper_tables.h"
 #include "pipeline/version.h"
 
@@ -18,10 +18,6 @@ namespace sinew {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// A run shorter than this is repeated, and the fastest repetition counts.
-constexpr double kShortRun = 0.2;  // [s]
-constexpr int kMostRepetitions = 20;
 
 // What one method did on one chain.
 struct BenchRow {
@@ -35,17 +31,16 @@ struct BenchRow {
 };
 
 Json to_json(const BenchRow& row) {
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   return {{"case", std::string(1, row.letter)},
           {"links", row.links},
           {"dof", row.dof},
           {"method", row.method},
           {"gradient", row.gradient},
-          {"time_ms", number(1e3 * row.seconds)},
+          {"time_ms", finite_or_null(1e3 * row.seconds)},
           {"iterations", row.iterations},
           {"evaluations", row.evaluations},
-          {"final_cost", number(row.final_cost)},
-          {"gradient_norm", number(row.gradient_norm)},
+          {"final_cost", finite_or_null(row.final_cost)},
+          {"gradient_norm", finite_or_null(row.gradient_norm)},
           {"termination", row.termination}};
 }
 
@@ -62,15 +57,16 @@ MinimizerOptions bench_options(Method method, GradientKind gradient, double budg
 
 BenchRow run_minimizer(const ManipulatorCase& chain, char letter, int links, Method method,
                        GradientKind gradient, double budget) {
-  BenchRow row{letter, links, chain.tree.unknown_count(), to_string(method),
-               gradient == GradientKind::kDecomposed ? "dgc" : "jacobian"};
+  BenchRow row{letter, links, chain.tree.unknown_count(), to_string(method), to_string(gradient)};
   Minimizer minimizer(chain.tree, chain.problem, bench_options(method, gradient, budget));
   double total = 0.0;
   for (int repetition = 0; repetition < kMostRepetitions && total < kShortRun; ++repetition) {
     std::vector<double> q = chain.tree.default_q;
+    const double start = cpu_seconds();
     const Summary& summary = minimizer.minimize(chain.targets, q);
-    total += summary.seconds;
-    if (!(row.seconds <= summary.seconds)) row.seconds = summary.seconds;
+    const double seconds = cpu_seconds() - start;
+    total += seconds;
+    if (!(row.seconds <= seconds)) row.seconds = seconds;
     row.iterations = summary.iterations;
     row.evaluations = summary.evaluations;
     row.final_cost = summary.final_cost;
@@ -112,32 +108,16 @@ struct BenchManipulatorCommand {
 
   std::vector<BenchRow> run_chain(const ManipulatorCase& chain, int n) const {
     std::vector<BenchRow> rows;
-    for (const Method method : chosen_methods()) {
-      for (const GradientKind gradient : {GradientKind::kJacobian, GradientKind::kDecomposed}) {
-        if (gradient == GradientKind::kJacobian && !takes_jacobian(method)) continue;
+    std::vector<std::string> names = names_in(methods);
+    const bool newton_raphson = std::erase(names, "newton-raphson") > 0 || methods == "all";
+    for (const Method method : methods_in(names)) {
+      for (const GradientKind gradient : gradients_for(method)) {
         rows.push_back(run_minimizer(chain, letter.at(0), n, method, gradient, budget));
         progress(rows.back());
       }
     }
-    if (methods == "all" || methods.find("newton-raphson") != std::string::npos) {
-      add_newton_raphson(chain, n, rows);
-    }
+    if (newton_raphson) add_newton_raphson(chain, n, rows);
     return rows;
-  }
-
-  static bool takes_jacobian(Method method) { return !continues_gradient_sweep(method); }
-
-  std::vector<Method> chosen_methods() const {
-    if (methods == "all") return all_methods();
-    std::vector<Method> chosen;
-    std::size_t begin = 0;
-    while (begin <= methods.size()) {
-      const std::size_t end = std::min(methods.find(',', begin), methods.size());
-      const std::string name = methods.substr(begin, end - begin);
-      if (name != "newton-raphson") chosen.push_back(method_from_string(name));
-      begin = end + 1;
-    }
-    return chosen;
   }
 
   void add_newton_raphson(const ManipulatorCase& chain, int n, std::vector<BenchRow>& rows) const {
@@ -151,8 +131,9 @@ struct BenchManipulatorCommand {
       } else {
         NewtonRaphson solver(chain.tree, chain.problem, {.line_search = line_search});
         std::vector<double> q = chain.tree.default_q;
+        const double start = cpu_seconds();
         const Summary& summary = solver.solve(chain.targets, q);
-        row.seconds = summary.seconds;
+        row.seconds = cpu_seconds() - start;
         row.iterations = summary.iterations;
         row.evaluations = summary.evaluations;
         row.final_cost = summary.final_cost;
@@ -234,11 +215,9 @@ struct BenchManipulatorCommand {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, int& exit_code) {
-  CLI::App* bench = app.add_subcommand("bench", "Benchmarks of the solvers");
-  bench->require_subcommand(1);
+void add_bench_manipulator(CLI::App& bench, int& exit_code) {
   auto command = std::make_shared<BenchManipulatorCommand>();
-  CLI::App* sub = bench->add_subcommand(
+  CLI::App* sub = bench.add_subcommand(
       "manipulator",
       "The chain of spherical joints of Ayusawa & Nakamura 2012, beside the paper's tables I-IV");
   sub->add_option("--case", command->letter,

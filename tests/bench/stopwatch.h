@@ -1,20 +1,13 @@
 #pragma once
 
-#include <time.h>
-
 #include <algorithm>
 #include <functional>
 #include <limits>
 #include <vector>
 
-namespace sinew {
+#include "pipeline/cpu_time.h"
 
-/// What this process has computed so far [s]; what others compute meanwhile does not count.
-inline double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
+namespace sinew {
 
 /// Seconds a call of each, side by side: every round runs a batch of each in turn, so that whatever
 /// else the machine does hits all of them, and the best round of each counts.

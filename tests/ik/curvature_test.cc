@@ -110,7 +110,7 @@ TEST_P(Curvature, IsThatOfTheExplicitJacobians) {
     GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd H(expected.rows(), expected.cols());
     curvature.update(p.tree, p.problem, p.targets, ws);
-    curvature.matrix(p.tree, p.problem, p.targets, ws, H);
+    curvature.matrix(p.problem, p.targets, ws, H);
     EXPECT_LE((H - expected).cwiseAbs().maxCoeff(), kTolerance * expected.cwiseAbs().maxCoeff())
         << seed;
     EXPECT_EQ(H, H.transpose());
@@ -127,7 +127,7 @@ TEST_P(Curvature, HasTheDiagonalOfItsMatrix) {
     MatrixXd H(p.tree.unknown_count(), p.tree.unknown_count());
     VectorXd diagonal(p.tree.unknown_count());
     curvature.update(p.tree, p.problem, p.targets, ws);
-    curvature.matrix(p.tree, p.problem, p.targets, ws, H);
+    curvature.matrix(p.problem, p.targets, ws, H);
     curvature.diagonal(p.tree, p.problem, p.targets, ws, diagonal);
     std::vector<bool> drives(static_cast<std::size_t>(p.tree.v_count()), false);
     for (const KinematicTree::Coupling& c : p.tree.couplings) {
@@ -159,7 +159,7 @@ TEST_P(Curvature, IsThatOfTheGradientsDifferencesAtZeroResidual) {
     GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd H(p.tree.unknown_count(), p.tree.unknown_count());
     curvature.update(p.tree, p.problem, p.targets, at);
-    curvature.matrix(p.tree, p.problem, p.targets, at, H);
+    curvature.matrix(p.problem, p.targets, at, H);
     KinematicWorkspace ws(p.tree);
     VectorXd ahead(H.rows()), behind(H.rows());
     std::vector<double> step(static_cast<std::size_t>(H.rows()), 0.0);

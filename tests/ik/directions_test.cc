@@ -127,7 +127,7 @@ VectorXd expected_levenberg_marquardt(const OneIterate& one, double lambda) {
   GaussNewtonCurvature curvature(p.tree, p.problem);
   MatrixXd B(n, n);
   curvature.update(p.tree, p.problem, p.targets, one.ws);
-  curvature.matrix(p.tree, p.problem, p.targets, one.ws, B);
+  curvature.matrix(p.problem, p.targets, one.ws, B);
   std::vector<int> free;
   for (int x = 0; x < n; ++x) {
     if (!one.at.held[static_cast<std::size_t>(x)]) free.push_back(x);

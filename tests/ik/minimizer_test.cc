@@ -71,7 +71,7 @@ double distance_bound(const Walker& walker, const IkTargets& targets, const std:
   const int n = walker.tree.unknown_count();
   Eigen::MatrixXd H(n, n);
   curvature.update(walker.tree, walker.problem, targets, ws);
-  curvature.matrix(walker.tree, walker.problem, targets, ws, H);
+  curvature.matrix(walker.problem, targets, ws, H);
   const VectorXd lambda = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(H).eigenvalues();
   EXPECT_LE(lambda[0], 1e-12);  // the coordinate that none sees
   EXPECT_GE(lambda[1], 1e-3);

@@ -27,7 +27,7 @@ TEST_P(ResidualRowsOf, MakeTheCostItsGradientAndItsCurvature) {
     GaussNewtonCurvature curvature(p.tree, p.problem);
     MatrixXd B(n, n);
     curvature.update(p.tree, p.problem, p.targets, ws);
-    curvature.matrix(p.tree, p.problem, p.targets, ws, B);
+    curvature.matrix(p.problem, p.targets, ws, B);
     ResidualRows rows(p.tree, p.problem);
     for (int repeat = 0; repeat < 2; ++repeat) {  // the second time over what the first left
       rows.update(p.tree, p.problem, p.targets, ws);

@@ -40,16 +40,20 @@ RandomMatrix random_matrix(int n, int cliques, int largest, unsigned seed) {
   return result;
 }
 
+double& entry(SupernodalCholesky& factor, int row, int column) {
+  return factor.values()[static_cast<std::size_t>(factor.offset(row, column))];
+}
+
 void fill(const RandomMatrix& random, SupernodalCholesky& factor) {
   factor.clear();
   for (const std::vector<int>& clique : random.cliques) {
     for (const int i : clique) {
       for (const int j : clique) {
-        if (i >= j) factor.matrix()(i, j) = random.H(i, j);
+        if (i >= j) entry(factor, i, j) = random.H(i, j);
       }
     }
   }
-  for (int i = 0; i < factor.size(); ++i) factor.matrix()(i, i) = random.H(i, i);
+  for (int i = 0; i < factor.size(); ++i) entry(factor, i, i) = random.H(i, i);
 }
 
 class RandomPatterns : public testing::TestWithParam<unsigned> {};
@@ -88,8 +92,8 @@ TEST(SupernodalCholesky, SaysSoWhenTheMatrixIsNotPositiveDefinite) {
   SupernodalCholesky factor(3, cliques);
   const std::vector<char> held(3, 0);
   factor.clear();
-  factor.matrix()(0, 0) = factor.matrix()(1, 1) = factor.matrix()(2, 2) = 1.0;
-  factor.matrix()(2, 1) = 2.0;
+  entry(factor, 0, 0) = entry(factor, 1, 1) = entry(factor, 2, 2) = 1.0;
+  entry(factor, 2, 1) = 2.0;
   EXPECT_FALSE(factor.factorize(0.0, held));
   EXPECT_TRUE(factor.factorize(1.5, held));
 }
@@ -104,28 +108,41 @@ TEST(SupernodalCholesky, KeepsOutZerosThatStayZero) {
   EXPECT_EQ(SupernodalCholesky(kSize, cliques).nonzeros(), kSize * (kSize + 1) / 2);
 }
 
-// JᵀΣJ of problems with all kinds of residuals stays within the pattern announced for it.
+// JᵀΣJ of problems with all kinds of residuals stays within the pattern announced for it, and the
+// factor holds the whole of it.
 TEST_P(RandomPatterns, HoldTheCurvatureOfEveryProblem) {
   const RandomProblem p = random_problem(GetParam(), GetParam() % 2 == 1);
   const KinematicWorkspace ws = p.workspace();
   GaussNewtonCurvature curvature(p.tree, p.problem);
   curvature.update(p.tree, p.problem, p.targets, ws);
   const int n = p.tree.unknown_count();
-  MatrixXd R = MatrixXd::Zero(n, n), pattern = MatrixXd::Identity(n, n);
-  curvature.add_reversed(p.tree, p.problem, p.targets, ws, R);
-  for (const std::vector<int>& clique : curvature.reversed_cliques(p.tree, p.problem)) {
+  const auto cliques = curvature.reversed_cliques(p.tree, p.problem);
+  SupernodalCholesky factor(n, cliques);
+  MatrixXd H(n, n), pattern = MatrixXd::Identity(n, n);
+  curvature.matrix(p.problem, p.targets, ws, H);
+  std::vector<int> offsets;
+  for (const GaussNewtonCurvature::Entry& each : curvature.entries()) {
+    ASSERT_GE(each.row, each.column);
+    offsets.push_back(factor.offset(each.row, each.column));
+    ASSERT_GE(offsets.back(), 0);
+  }
+  curvature.add_reversed(p.problem, p.targets, ws, offsets, factor.values());
+  for (const std::vector<int>& clique : cliques) {
     for (const int i : clique) {
       for (const int j : clique) pattern(i, j) = 1.0;
     }
   }
   for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      if (i < j || pattern(i, j) == 0.0) {
-        EXPECT_EQ(R(i, j), 0.0) << i << ", " << j;
+    for (int i = j; i < n; ++i) {
+      const double expected = H(n - 1 - i, n - 1 - j);
+      if (pattern(i, j) == 0.0) {
+        EXPECT_EQ(expected, 0.0) << i << ", " << j;
+      } else {
+        EXPECT_EQ(entry(factor, i, j), expected) << i << ", " << j;
       }
     }
   }
-  EXPECT_GT(R.norm(), 0.0);
+  EXPECT_GT(H.norm(), 0.0);
 }
 
 }  // namespace
