@@ -30,19 +30,6 @@ void add_geometric_stiffness(Matrix6d& K, const Vector3d& r, const Vector3d& f) 
   K.bottomLeftCorner<3, 3>() += 0.5 * F;
 }
 
-// Second derivative of σ‖γ‖²/2 by rotations: σ( nnᵀ + (φ/2)cot(φ/2)(E − nnᵀ) ).
-Matrix3d orientation_curvature(double weight, const Vector3d& gamma) {
-  const double phi = gamma.norm();
-  if (phi < 1e-6) return weight * Matrix3d::Identity();  // φ²/12 below rounding
-  const Vector3d n = gamma / phi;
-  const double c = 0.5 * phi / std::tan(0.5 * phi);
-  return weight * (c * Matrix3d::Identity() + (1.0 - c) * n * n.transpose());
-}
-
-bool is_isotropic(const Matrix3d& W) {
-  return (W - W(0, 0) * Matrix3d::Identity()).cwiseAbs().maxCoeff() == 0.0;
-}
-
 // Sizes known at run time only, on the stack: one instance serves what is rare.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 

@@ -39,7 +39,7 @@ namespace sinew {
 /// Allocates at construction only.
 class Articulated : public Direction {
  public:
-  enum class Model { kGaussNewton, kNewton, kAutomatic };
+  using Model = NewtonModel;
 
   struct Options {
     // μ at the start, times the largest stiffness of a link. On the manipulator's case B with 400

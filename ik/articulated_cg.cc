@@ -57,7 +57,7 @@ void ArticulatedCg::collect(const Iterate& at) {
   const KinematicWorkspace& ws = at.workspace;
   rows_.update(at.tree, ws);
   std::fill(K_.begin(), K_.end(), Matrix6d::Zero());
-  add_link_stiffness(at.problem, *at.targets, ws, rows_.origin(), K_);
+  add_link_stiffness(at.problem, *at.targets, ws, rows_.origin(), false, K_);
   std::fill(spring_.begin(), spring_.end(), 0.0);
   for (std::size_t i = 0; i < at.problem.coordinates.size(); ++i) {
     if (std::isnan(at.targets->coordinates[i])) continue;

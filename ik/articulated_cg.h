@@ -26,7 +26,7 @@ namespace sinew {
 class ArticulatedCg : public Direction {
  public:
   struct Options {
-    double damping = 1e-9;    // μ, times the mean diagonal of JᵀΣJ, as GaussNewton's
+    double damping = 1e-4;    // μ, times the mean diagonal of JᵀΣJ, as GaussNewton's with wires
     double tolerance = 1e-6;  // rᵀM⁻¹r ≤ tolerance² gᵀM⁻¹g ends the iteration
     int max_iterations = 1000;
   };

@@ -11,23 +11,33 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
-                        const KinematicWorkspace& ws, const Vector3d& origin,
+                        const KinematicWorkspace& ws, const Vector3d& origin, bool newton,
                         std::vector<Matrix6d>& K) {
   for (std::size_t i = 0; i < problem.positions.size(); ++i) {
     if (std::isnan(targets.positions[i].x())) continue;
     const PositionResidual& r = problem.positions[i];
     const auto link = static_cast<std::size_t>(r.link);
-    add_point_stiffness(K[link], ws.X_WB[link] * r.p_BP - origin,
-                        position_weight(problem, targets, i));
+    const Vector3d p = ws.X_WB[link] * r.p_BP;
+    const Matrix3d weight = position_weight(problem, targets, i);
+    add_point_stiffness(K[link], p - origin, weight);
+    if (!newton) continue;
+    const Vector3d f = weight * (p - targets.positions[i]);
+    K[link].topLeftCorner<3, 3>() += turned_load(p - origin, f);
+    K[link].topRightCorner<3, 3>() -= skew(f);
   }
   for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
     if (std::isnan(targets.orientations[i](0, 0))) continue;
     const OrientationResidual& r = problem.orientations[i];
     const auto link = static_cast<std::size_t>(r.link);
     const Matrix3d R_WF = ws.X_WB[link].R * r.R_BF;
-    const Matrix3d rate =
-        rotation_vector_rate(rotation_vector(targets.orientations[i] * R_WF.transpose()));
-    K[link].topLeftCorner<3, 3>() += rate.transpose() * r.weight * rate;
+    const Vector3d gamma = rotation_vector(targets.orientations[i] * R_WF.transpose());
+    const Matrix3d rate = rotation_vector_rate(gamma);
+    if (newton && is_isotropic(r.weight)) {
+      K[link].topLeftCorner<3, 3>() += orientation_curvature(r.weight(0, 0), gamma);
+    } else {
+      K[link].topLeftCorner<3, 3>() += rate.transpose() * r.weight * rate;
+    }
+    if (newton) K[link].topLeftCorner<3, 3>() += 0.5 * skew(rate.transpose() * r.weight * gamma);
   }
 }
 
@@ -48,12 +58,12 @@ std::vector<char> seen_from_the_world(const KinematicTree& tree, const IkProblem
 
 }  // namespace
 
-GaussNewtonCurvature::GaussNewtonCurvature(const KinematicTree& tree, const IkProblem& problem)
+CostCurvature::CostCurvature(const KinematicTree& tree, const IkProblem& problem)
     : K_(tree.links.size(), Matrix6d::Zero()), rows_(tree, problem), diagonal_v_(tree.v_count()) {
   list_entries(tree, problem);
 }
 
-void GaussNewtonCurvature::list_entries(const KinematicTree& tree, const IkProblem& problem) {
+void CostCurvature::list_entries(const KinematicTree& tree, const IkProblem& problem) {
   const int last = tree.unknown_count() - 1;
   const auto add_entry = [&](int x, int y) {
     entries_.push_back({last - std::min(x, y), last - std::max(x, y)});
@@ -64,7 +74,7 @@ void GaussNewtonCurvature::list_entries(const KinematicTree& tree, const IkProbl
     const KinematicTree::Link& own = tree.links[b];
     for (int v = own.first_v; v < own.first_v + own.v_count; ++v) {
       if (rows_.driver(v) < 0) continue;
-      Column column{v, static_cast<int>(b), static_cast<int>(partners_.size()), 0};
+      Column column{v, static_cast<int>(b), static_cast<int>(partners_.size()), 0, 0};
       for (auto a = static_cast<int>(b); a > 0;
            a = tree.links[static_cast<std::size_t>(a)].parent) {
         const KinematicTree::Link& link = tree.links[static_cast<std::size_t>(a)];
@@ -73,6 +83,7 @@ void GaussNewtonCurvature::list_entries(const KinematicTree& tree, const IkProbl
           if (rows_.driver(u) < 0) continue;
           partners_.push_back(u);
           ++column.partner_count;
+          if (a == static_cast<int>(b)) ++column.own_count;
           add_entry(rows_.driver(v), rows_.driver(u));
         }
       }
@@ -91,20 +102,21 @@ void GaussNewtonCurvature::list_entries(const KinematicTree& tree, const IkProbl
   }
 }
 
-void GaussNewtonCurvature::update(const KinematicTree& tree, const IkProblem& problem,
-                                  const IkTargets& targets, const KinematicWorkspace& ws) {
+void CostCurvature::update(const KinematicTree& tree, const IkProblem& problem,
+                           const IkTargets& targets, const KinematicWorkspace& ws, bool newton) {
+  newton_ = newton;
   rows_.update(tree, ws);
   std::fill(K_.begin(), K_.end(), Matrix6d::Zero());
-  add_link_stiffness(problem, targets, ws, rows_.origin(), K_);
+  add_link_stiffness(problem, targets, ws, rows_.origin(), newton, K_);
   for (std::size_t b = tree.links.size() - 1; b > 0; --b) {
     const auto parent = static_cast<std::size_t>(tree.links[b].parent);
     if (parent > 0) K_[parent] += K_[b];
   }
 }
 
-void GaussNewtonCurvature::diagonal(const KinematicTree& tree, const IkProblem& problem,
-                                    const IkTargets& targets, const KinematicWorkspace& ws,
-                                    Eigen::Ref<Eigen::VectorXd> diagonal) {
+void CostCurvature::diagonal(const KinematicTree& tree, const IkProblem& problem,
+                             const IkTargets& targets, const KinematicWorkspace& ws,
+                             Eigen::Ref<Eigen::VectorXd> diagonal) {
   for (int v = 0; v < tree.v_count(); ++v) {
     const auto i = static_cast<std::size_t>(v);
     const Vector6d& S = rows_.twists()[i];
@@ -131,22 +143,34 @@ void GaussNewtonCurvature::diagonal(const KinematicTree& tree, const IkProblem& 
                  });
 }
 
+// ∂g_u/∂q_v of two columns of one joint from `forward`, S_uᵀK S_v: whichever comes first stands on
+// the left.
+double CostCurvature::within_joint(int v, int u, const Matrix6d& K, double forward) const {
+  if (rows_.order(u) < rows_.order(v)) return forward;
+  const std::vector<Vector6d>& S = rows_.twists();
+  const double backward = rows_.driver_slope(v) *
+                          S[static_cast<std::size_t>(v)].dot(K * S[static_cast<std::size_t>(u)]);
+  return rows_.order(u) > rows_.order(v) ? backward : 0.5 * (forward + backward);
+}
+
 template <typename Place>
-void GaussNewtonCurvature::add(const IkProblem& problem, const IkTargets& targets,
-                               const KinematicWorkspace& ws, const Place& place) {
+void CostCurvature::add(const IkProblem& problem, const IkTargets& targets,
+                        const KinematicWorkspace& ws, const Place& place) {
   const std::vector<Vector6d>& S = rows_.twists();
   std::size_t k = 0;
   for (const Column& column : columns_) {  // Sᵀ K S
     const auto v = static_cast<std::size_t>(column.v);
-    const Vector6d F =
-        rows_.driver_slope(column.v) * (K_[static_cast<std::size_t>(column.link)] * S[v]);
+    const Matrix6d& K = K_[static_cast<std::size_t>(column.link)];
+    const Vector6d F = rows_.driver_slope(column.v) * (K * S[v]);
     const int* const partners = partners_.data() + column.first_partner;
     const int x = rows_.driver(column.v);
     for (int i = 0; i < column.partner_count; ++i, ++k) {
-      const int u = partners[i];
-      const double h = rows_.driver_slope(u) * S[static_cast<std::size_t>(u)].dot(F);
+      const auto u = static_cast<std::size_t>(partners[i]);
+      double h = S[u].dot(F);
+      if (newton_ && i < column.own_count) h = within_joint(column.v, partners[i], K, h);
+      h *= rows_.driver_slope(partners[i]);
       // One unknown may drive both: then both (u, v) and (v, u) fall on its diagonal.
-      place(k) += u != column.v && rows_.driver(u) == x ? 2.0 * h : h;
+      place(k) += partners[i] != column.v && rows_.driver(partners[i]) == x ? 2.0 * h : h;
     }
   }
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
@@ -156,25 +180,44 @@ void GaussNewtonCurvature::add(const IkProblem& problem, const IkTargets& target
     double& entry = place(k++);
     if (!std::isnan(targets.coordinates[i])) entry += r.weight * slope * slope;
   }
-  rows_.for_each(problem, targets, ws,
-                 [&](int support, std::span<const double> row, double weight) {
-                   std::size_t entry = row_entry_[static_cast<std::size_t>(support)];
-                   for (std::size_t j = 0; j < row.size(); ++j) {
-                     const double scaled = weight * row[j];
-                     for (std::size_t i = 0; i <= j; ++i) place(entry++) += scaled * row[i];
-                   }
-                 });
+  const auto add_row = [&](int support, std::span<const double> row, double weight) {
+    std::size_t entry = row_entry_[static_cast<std::size_t>(support)];
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      const double scaled = weight * row[j];
+      for (std::size_t i = 0; i <= j; ++i) place(entry++) += scaled * row[i];
+    }
+  };
+  rows_.for_each(problem, targets, ws, add_row);
+  if (!newton_) return;
+  rows_.for_each_second(problem, targets, ws, add_row, [&](int support, int entry, double h) {
+    place(row_entry_[static_cast<std::size_t>(support)] + static_cast<std::size_t>(entry)) += h;
+  });
 }
 
-void GaussNewtonCurvature::add_reversed(const IkProblem& problem, const IkTargets& targets,
-                                        const KinematicWorkspace& ws, std::span<const int> offsets,
-                                        std::span<double> values) {
+void CostCurvature::add_reversed(const IkProblem& problem, const IkTargets& targets,
+                                 const KinematicWorkspace& ws, std::span<const int> offsets,
+                                 std::span<double> values) {
   add(problem, targets, ws,
       [&](std::size_t k) -> double& { return values[static_cast<std::size_t>(offsets[k])]; });
 }
 
-void GaussNewtonCurvature::matrix(const IkProblem& problem, const IkTargets& targets,
-                                  const KinematicWorkspace& ws, Eigen::MatrixXd& H) {
+InternalRows::WireRow CostCurvature::add_wire(const IkProblem& problem, std::size_t wire,
+                                              const KinematicWorkspace& ws, double factor,
+                                              std::span<const int> offsets,
+                                              std::span<double> values) {
+  const InternalRows::WireRow at = rows_.wire_row(problem, wire, ws);
+  const double weight = factor * problem.wires[wire].weight;
+  std::size_t k = row_entry_[static_cast<std::size_t>(at.support)];
+  for (std::size_t j = 0; j < at.row.size(); ++j) {
+    for (std::size_t i = 0; i <= j; ++i, ++k) {
+      values[static_cast<std::size_t>(offsets[k])] += weight * at.row[j] * at.row[i];
+    }
+  }
+  return at;
+}
+
+void CostCurvature::matrix(const IkProblem& problem, const IkTargets& targets,
+                           const KinematicWorkspace& ws, Eigen::MatrixXd& H) {
   H.setZero();
   add(problem, targets, ws,
       [&](std::size_t k) -> double& { return H(entries_[k].row, entries_[k].column); });
@@ -182,8 +225,8 @@ void GaussNewtonCurvature::matrix(const IkProblem& problem, const IkTargets& tar
   H.triangularView<Eigen::StrictlyLower>() = H.transpose();
 }
 
-std::vector<std::vector<int>> GaussNewtonCurvature::reversed_cliques(
-    const KinematicTree& tree, const IkProblem& problem) const {
+std::vector<std::vector<int>> CostCurvature::reversed_cliques(const KinematicTree& tree,
+                                                              const IkProblem& problem) const {
   const int last = tree.unknown_count() - 1;
   const std::vector<char> seen = seen_from_the_world(tree, problem);
   std::vector<std::vector<int>> cliques;

@@ -10,33 +10,45 @@
 namespace sinew {
 
 /// Adds to K (links) the stiffness of every residual between a link and the world, (N3), at
-/// `origin` in world axes.
+/// `origin` in world axes. With `newton`, a load f at r adds what turning it does, see
+/// CostCurvature; K is not symmetric then.
 void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
                         const KinematicWorkspace& workspace, const Eigen::Vector3d& origin,
-                        std::vector<Matrix6d>& K);
+                        bool newton, std::vector<Matrix6d>& K);
 
-/// Gauss-Newton curvature JᵀΣJ of the cost without Jacobians: the stiffness of every residual
+/// Curvature of the cost without Jacobians. Gauss-Newton's, JᵀΣJ: the stiffness of every residual
 /// between a link and the world is added to its link, (N3), and accumulated inward like a composite
 /// inertia; residuals between links add their own sparse rows, see InternalRows.
-class GaussNewtonCurvature {
+///
+/// Newton's adds what the residuals' own curvature contributes. g_u = S_uᵀ Σ wrenches beyond u, and
+/// for u before v on the way from the root S_u does not depend on q_v, so that ∂g_u/∂q_v = S_uᵀ K
+/// S_v with K the sum, over the points beyond v, of (N3) and
+///   [ [f×][r×]  −[f×] ]
+///   [    0         0  ],
+/// f = −ΣΔp the gradient's force on a point at r: (N4) and (N5) in one. Orientations add their own
+/// second derivative and half of what turning their moment does; wires and distances theirs in
+/// InternalRows::for_each_second(). Exact but for curved couplings, coincidences and alignments
+/// (whose forces are small), anisotropic orientation weights, ellipsoid joints, and joints whose
+/// coordinates drive several or curved steps.
+class CostCurvature {
  public:
-  GaussNewtonCurvature(const KinematicTree& tree, const IkProblem& problem);
+  CostCurvature(const KinematicTree& tree, const IkProblem& problem);
 
-  /// Collects the stiffness of all residuals and accumulates it inward. Needs update_kinematics().
-  /// O(links + residuals).
+  /// Collects the stiffness of all residuals and accumulates it inward: Gauss-Newton's, or with
+  /// `newton` all of it. Needs update_kinematics(). O(links + residuals).
   void update(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
-              const KinematicWorkspace& workspace);
+              const KinematicWorkspace& workspace, bool newton = false);
 
-  /// Diagonal of JᵀΣJ over the unknowns: exact but for an unknown that drives others through
+  /// Gauss-Newton's diagonal over the unknowns: exact but for an unknown that drives others through
   /// couplings, where it is the upper bound of their working together.
   void diagonal(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
                 const KinematicWorkspace& workspace, Eigen::Ref<Eigen::VectorXd> diagonal);
 
-  /// All of JᵀΣJ, exactly.
+  /// All of it, as update() collected it.
   void matrix(const IkProblem& problem, const IkTargets& targets,
               const KinematicWorkspace& workspace, Eigen::MatrixXd& H);
 
-  /// An entry of JᵀΣJ's lower triangle with the unknowns in reverse order, from the leaves to the
+  /// An entry of the lower triangle with the unknowns in reverse order, from the leaves to the
   /// root: unknown x stands at n−1−x. row ≥ column.
   struct Entry {
     int row, column;
@@ -44,13 +56,20 @@ class GaussNewtonCurvature {
   /// What add_reversed() adds to, in its order; an entry may come several times.
   std::span<const Entry> entries() const { return entries_; }
 
-  /// Adds JᵀΣJ: what belongs to entries()[k] to values[offsets[k]]. O(unknowns · depth) and the
-  /// square of its support for each row between links.
+  /// Adds the curvature: what belongs to entries()[k] to values[offsets[k]]. O(unknowns · depth)
+  /// and the square of its support for each row between links.
   void add_reversed(const IkProblem& problem, const IkTargets& targets,
                     const KinematicWorkspace& workspace, std::span<const int> offsets,
                     std::span<double> values);
 
-  /// Sets of unknowns, in reverse order as above, that JᵀΣJ can couple with each other.
+  /// Adds factor · wjjᵀ of one wire likewise, and returns its row.
+  InternalRows::WireRow add_wire(const IkProblem& problem, std::size_t wire,
+                                 const KinematicWorkspace& workspace, double factor,
+                                 std::span<const int> offsets, std::span<double> values);
+
+  const InternalRows& rows() const { return rows_; }
+
+  /// Sets of unknowns, in reverse order as above, that the curvature can couple with each other.
   std::vector<std::vector<int>> reversed_cliques(const KinematicTree& tree,
                                                  const IkProblem& problem) const;
 
@@ -58,10 +77,12 @@ class GaussNewtonCurvature {
   // A column of S, and those of its own and earlier joints on the way to the root.
   struct Column {
     int v, link;
-    int first_partner, partner_count;  // in partners_
+    int first_partner, partner_count;  // in partners_; of its own joint first
+    int own_count;
   };
 
   void list_entries(const KinematicTree& tree, const IkProblem& problem);
+  double within_joint(int v, int u, const Matrix6d& K, double forward) const;
   template <typename Place>
   void add(const IkProblem& problem, const IkTargets& targets, const KinematicWorkspace& workspace,
            const Place& place);
@@ -73,6 +94,7 @@ class GaussNewtonCurvature {
   std::vector<int> partners_;           // v
   std::vector<std::size_t> row_entry_;  // supports: where its entries begin
   Eigen::VectorXd diagonal_v_;
+  bool newton_ = false;
 };
 
 }  // namespace sinew

@@ -23,6 +23,13 @@ struct Iterate {
   std::vector<char> held;      // 1: at a bound that g pushes against
 };
 
+/// Which second derivatives of the cost the methods of second order take.
+enum class NewtonModel {
+  kGaussNewton,  // JᵀΣJ
+  kNewton,       // all
+  kAutomatic,    // what serves better, as each method has it
+};
+
 /// The one choice that tells methods apart: where to go from an iterate, eq. (17)'s d_k.
 class Direction {
  public:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ik/stiffness.h"
+
 namespace sinew {
 namespace {
 
@@ -18,12 +20,38 @@ int common_ancestor(const KinematicTree& tree, std::span<const int> links) {
   return common;
 }
 
+// Shifts come before turns, and these in their sequence. The same for columns that do not follow
+// one another: of a ball, of an ellipsoid, and of coordinates that drive several steps.
+std::vector<int> orders_within_joints(const KinematicTree& tree) {
+  std::vector<int> order(static_cast<std::size_t>(tree.v_count()), 0);
+  for (const KinematicTree::Link& link : tree.links) {
+    if (link.kind == KinematicTree::Kind::kFree) {
+      for (int i = 0; i < 3; ++i) order[static_cast<std::size_t>(link.first_v + i)] = 1;
+    }
+    if (link.kind != KinematicTree::Kind::kSteps) continue;
+    bool once = true;
+    std::vector<int> found(static_cast<std::size_t>(link.v_count), -1);
+    for (int i = 0; i < link.rotation_count + link.translation_count; ++i) {
+      const int v = tree.steps[static_cast<std::size_t>(link.first_step + i)].v;
+      if (v < 0) continue;
+      int& at = found[static_cast<std::size_t>(v - link.first_v)];
+      once = once && at < 0;
+      at = i < link.rotation_count ? i + 1 : 0;
+    }
+    if (once) {
+      std::copy(found.begin(), found.end(), order.begin() + link.first_v);
+    }
+  }
+  return order;
+}
+
 }  // namespace
 
 InternalRows::InternalRows(const KinematicTree& tree, const IkProblem& problem)
     : driver_(static_cast<std::size_t>(tree.v_count()), -1),
       slope_(static_cast<std::size_t>(tree.v_count()), 1.0),
-      twists_(static_cast<std::size_t>(tree.v_count()), Vector6d::Zero()) {
+      twists_(static_cast<std::size_t>(tree.v_count()), Vector6d::Zero()),
+      order_(orders_within_joints(tree)) {
   for (int v = 0; v < tree.v_count(); ++v) {
     int source = v;
     while (tree.coupling_of_v[static_cast<std::size_t>(source)] >= 0) {
@@ -60,6 +88,8 @@ InternalRows::InternalRows(const KinematicTree& tree, const IkProblem& problem)
     most_unknowns = std::max(most_unknowns, static_cast<std::size_t>(s.unknown_count));
   }
   wrenches_.resize(most_links, Vector6d::Zero());
+  turned_.resize(most_links, Eigen::Matrix3d::Zero());
+  force_.resize(most_links, Eigen::Vector3d::Zero());
   row_.resize(most_unknowns, 0.0);
 }
 
@@ -132,6 +162,17 @@ void InternalRows::update(const KinematicTree& tree, const KinematicWorkspace& w
   }
 }
 
+InternalRows::WireRow InternalRows::wire_row(const IkProblem& problem, std::size_t wire,
+                                             const KinematicWorkspace& ws) {
+  const std::size_t s = problem.distances.size() + wire;
+  begin(supports_[s]);
+  for_each_wire_point(problem, problem.wires[wire], ws,
+                      [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d& u) {
+                        put_force(supports_[s], point, p, u);
+                      });
+  return {static_cast<int>(s), row(supports_[s])};
+}
+
 void InternalRows::begin(const Support& support) {
   std::fill_n(wrenches_.begin(), support.link_count, Vector6d::Zero());
 }
@@ -143,6 +184,19 @@ void InternalRows::put_force(const Support& support, int point, const Eigen::Vec
   Vector6d& wrench = wrenches_[static_cast<std::size_t>(slot)];
   wrench.head<3>() += (p_W - origin_).cross(u);
   wrench.tail<3>() += u;
+}
+
+void InternalRows::begin_loads(const Support& support) {
+  std::fill_n(turned_.begin(), support.link_count, Eigen::Matrix3d::Zero());
+  std::fill_n(force_.begin(), support.link_count, Eigen::Vector3d::Zero());
+}
+
+void InternalRows::put_load(const Support& support, int point, const Eigen::Vector3d& p_W,
+                            const Eigen::Vector3d& f) {
+  const int slot = point_slots_[static_cast<std::size_t>(support.first_point + point)];
+  if (slot < 0) return;
+  turned_[static_cast<std::size_t>(slot)] += turned_load(p_W - origin_, f);
+  force_[static_cast<std::size_t>(slot)] += f;
 }
 
 void InternalRows::put_moment(const Support& support, int point, const Eigen::Vector3d& m) {

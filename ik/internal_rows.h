@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -28,6 +30,32 @@ class InternalRows {
   template <typename Use>
   void for_each(const IkProblem& problem, const IkTargets& targets,
                 const KinematicWorkspace& workspace, const Use& use);
+
+  /// Of one wire, slack or not: its support and its row.
+  struct WireRow {
+    int support;
+    std::span<const double> row;
+  };
+  WireRow wire_row(const IkProblem& problem, std::size_t wire, const KinematicWorkspace& workspace);
+
+  /// What the second derivatives of distances and wires add to wjjᵀ, j their row and w its weight:
+  /// with the force wε in them, ε the length in excess,
+  ///  - wε ∇∇l of every stretch at fixed directions: rows as above for two directions across it, of
+  ///    weight wε/l, given to `use`;
+  ///  - turning a joint turns the forces that it carries: with f the force on a point at r,
+  ///    ∂g_u/∂q_v = w_uᵀ Σ (f × (r × w_v) − f × v_v) over the points that v moves, u before v on
+  ///    the way from the root; given to `use_pair`(i, entry, h), the entry of (u, v) among those of
+  ///    the lower triangle of support(i), row by row.
+  /// Within a joint the sum is exact where order() tells its columns apart or they are a ball's.
+  template <typename Use, typename UsePair>
+  void for_each_second(const IkProblem& problem, const IkTargets& targets,
+                       const KinematicWorkspace& workspace, const Use& use,
+                       const UsePair& use_pair);
+
+  /// Which of a joint's columns carries which: those of higher order are carried by the others.
+  /// Columns of the same order share one turn, or share steps; their second derivatives are taken
+  /// as symmetric.
+  int order(int v) const { return order_[static_cast<std::size_t>(v)]; }
 
   /// The unknowns of every residual that can have a row, ascending.
   int support_count() const { return static_cast<int>(supports_.size()); }
@@ -61,6 +89,15 @@ class InternalRows {
   void begin(const Support& support);
   void put_force(const Support& support, int point, const Eigen::Vector3d& p_W,
                  const Eigen::Vector3d& u);
+  // Geometry of a force on a point, see for_each_second().
+  void begin_loads(const Support& support);
+  void put_load(const Support& support, int point, const Eigen::Vector3d& p_W,
+                const Eigen::Vector3d& f);
+  template <typename Use>
+  void across(std::size_t support, int from, const Eigen::Vector3d& p_from, int to,
+              const Eigen::Vector3d& p_to, double weight, const Use& use);
+  template <typename UsePair>
+  void turn_loads(std::size_t support, const UsePair& use_pair);
   void put_moment(const Support& support, int point, const Eigen::Vector3d& m);
   std::span<const double> row(const Support& support);
   template <typename Use>
@@ -78,6 +115,9 @@ class InternalRows {
   std::vector<Vector6d> twists_;
   std::vector<Vector6d> wrenches_;  // of the links of one support
   std::vector<double> row_;
+  std::vector<int> order_;               // v
+  std::vector<Eigen::Matrix3d> turned_;  // of the links of one support: Σ [f×][r×]
+  std::vector<Eigen::Vector3d> force_;   // likewise: Σ f
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
 };
 
@@ -127,6 +167,101 @@ void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
       use_row(s, r.weight, use);
     }
     ++s;
+  }
+}
+
+template <typename Use>
+void InternalRows::across(std::size_t s, int from, const Eigen::Vector3d& p_from, int to,
+                          const Eigen::Vector3d& p_to, double weight, const Use& use) {
+  const Eigen::Vector3d along = p_to - p_from;
+  const double length = along.norm();
+  if (length == 0.0) return;
+  const Eigen::Vector3d n = along.unitOrthogonal();
+  for (const Eigen::Vector3d& u : {n, Eigen::Vector3d(along.cross(n) / length)}) {
+    begin(supports_[s]);
+    put_force(supports_[s], from, p_from, -u);
+    put_force(supports_[s], to, p_to, u);
+    use_row(s, weight / length, use);
+  }
+}
+
+template <typename UsePair>
+void InternalRows::turn_loads(std::size_t s, const UsePair& use_pair) {
+  const Support& support = supports_[s];
+  const PathLink* const links = path_links_.data() + support.first_link;
+  for (int i = 0; i < support.link_count; ++i) {
+    const auto own = static_cast<std::size_t>(i);
+    for (int k = 0; k < links[i].entry_count; ++k) {
+      const Entry& at = entries_[static_cast<std::size_t>(links[i].first_entry + k)];
+      const auto v = static_cast<std::size_t>(at.v);
+      const Eigen::Vector3d moment = slope_[v] * (turned_[own] * twists_[v].template head<3>() -
+                                                  force_[own].cross(twists_[v].template tail<3>()));
+      const auto pair = [&](const Entry& earlier, double factor) {
+        const auto u = static_cast<std::size_t>(earlier.v);
+        const double h = slope_[u] * twists_[u].template head<3>().dot(moment);
+        const int high = std::max(at.slot, earlier.slot), low = std::min(at.slot, earlier.slot);
+        // One unknown may drive both: then both (u, v) and (v, u) fall on its
+        // diagonal.
+        const bool twice = earlier.v != at.v && high == low;
+        use_pair(static_cast<int>(s), high * (high + 1) / 2 + low,
+                 (twice ? 2.0 : 1.0) * factor * h);
+      };
+      for (int other = 0; other < links[i].entry_count; ++other) {
+        const Entry& peer = entries_[static_cast<std::size_t>(links[i].first_entry + other)];
+        if (other == k || order(peer.v) < order(at.v)) {
+          pair(peer, 1.0);
+        } else if (order(peer.v) == order(at.v)) {
+          pair(peer, 0.5);
+        }
+      }
+      for (int a = links[i].parent_slot; a >= 0; a = links[a].parent_slot) {
+        for (int other = 0; other < links[a].entry_count; ++other) {
+          pair(entries_[static_cast<std::size_t>(links[a].first_entry + other)], 1.0);
+        }
+      }
+    }
+    if (links[i].parent_slot >= 0) {
+      turned_[static_cast<std::size_t>(links[i].parent_slot)] += turned_[own];
+      force_[static_cast<std::size_t>(links[i].parent_slot)] += force_[own];
+    }
+  }
+}
+
+template <typename Use, typename UsePair>
+void InternalRows::for_each_second(const IkProblem& problem, const IkTargets& targets,
+                                   const KinematicWorkspace& ws, const Use& use,
+                                   const UsePair& use_pair) {
+  const auto place = [&](int link, const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    return ws.X_WB[static_cast<std::size_t>(link)] * p;
+  };
+  std::size_t s = 0;
+  for (std::size_t i = 0; i < problem.distances.size(); ++i, ++s) {
+    const DistanceResidual& r = problem.distances[i];
+    const Eigen::Vector3d pa = place(r.link_a, r.p_AP), pb = place(r.link_b, r.p_BQ);
+    const double length = (pa - pb).norm();
+    if (std::isnan(targets.distances[i]) || length == 0.0) continue;
+    const double force = r.weight * (length - targets.distances[i]);
+    across(s, 1, pb, 0, pa, force, use);
+    begin_loads(supports_[s]);
+    put_load(supports_[s], 0, pa, force / length * (pa - pb));
+    put_load(supports_[s], 1, pb, force / length * (pb - pa));
+    turn_loads(s, use_pair);
+  }
+  for (std::size_t i = 0; i < problem.wires.size(); ++i, ++s) {
+    const WireResidual& r = problem.wires[i];
+    const double force = r.weight * (wire_length(problem, r, ws) - r.natural_length);
+    if (!(force > 0.0)) continue;
+    begin_loads(supports_[s]);
+    int before = -1;
+    Eigen::Vector3d p_before = Eigen::Vector3d::Zero();
+    for_each_wire_point(problem, r, ws,
+                        [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d& u) {
+                          put_load(supports_[s], point, p, force * u);
+                          if (before >= 0) across(s, before, p_before, point, p, force, use);
+                          before = point;
+                          p_before = p;
+                        });
+    turn_loads(s, use_pair);
   }
 }
 

@@ -36,7 +36,7 @@ class Lbfgs : public Direction {
   void precondition(const Iterate& at);
 
   Start start_;
-  GaussNewtonCurvature curvature_;
+  CostCurvature curvature_;
   int stored_ = 0, next_ = 0;
   Eigen::MatrixXd S_, Y_;        // unknowns × memory
   Eigen::VectorXd rho_, alpha_;  // memory

@@ -36,7 +36,7 @@ class LevenbergMarquardt : public Direction {
 
   Options options_;
   bool dual_;
-  GaussNewtonCurvature curvature_;
+  CostCurvature curvature_;
   ResidualRows rows_;         // of the dual form
   Eigen::MatrixXd matrix_;    // unknowns × unknowns, or rows × rows
   Eigen::VectorXd solution_;  // rows

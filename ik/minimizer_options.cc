@@ -27,10 +27,9 @@ constexpr MethodName kMethods[] = {
 };
 
 std::unique_ptr<Direction> make_articulated(const KinematicTree& tree, const IkProblem& problem,
-                                            Articulated::Model model,
-                                            const MinimizerOptions& options) {
+                                            NewtonModel model, const MinimizerOptions& options) {
   if (!articulated_sweep_fits(tree, problem)) {
-    return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton);
+    return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton, model);
   }
   return std::make_unique<Articulated>(tree, problem, model, options.articulated);
 }

@@ -23,8 +23,8 @@ enum class Method {
   kLevenbergMarquardt,
   kGaussNewton,
   // O(links), continuing the sweep of the decomposed gradient, which they always take. Couplings
-  // and residuals that join two links do not fit their sweep: on such problems kGaussNewton stands
-  // in for all three.
+  // and residuals that join two links do not fit their sweep: on such problems GaussNewton's sparse
+  // factorization stands in for it, with the same second derivatives.
   kArticulatedGaussNewton,
   kArticulatedNewton,
   kArticulated,  // turns from one to the other by itself

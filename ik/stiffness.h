@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
 
 #include "model/spatial.h"
 
@@ -15,6 +17,26 @@ inline void add_point_stiffness(Matrix6d& K, const Eigen::Vector3d& r, const Eig
   K.topRightCorner<3, 3>() += RW;
   K.bottomLeftCorner<3, 3>() += RW.transpose();
   K.bottomRightCorner<3, 3>() += W;
+}
+
+/// [f×][r×]: what turning does to the moment of a force f that is carried along at r.
+inline Eigen::Matrix3d turned_load(const Eigen::Vector3d& r, const Eigen::Vector3d& f) {
+  Eigen::Matrix3d m = r * f.transpose();  // f × (r × w) = r (f·w) − w (f·r)
+  m.diagonal().array() -= f.dot(r);
+  return m;
+}
+
+/// Second derivative of σ‖γ‖²/2 by rotations: σ( nnᵀ + (φ/2)cot(φ/2)(E − nnᵀ) ), γ = φn.
+inline Eigen::Matrix3d orientation_curvature(double weight, const Eigen::Vector3d& gamma) {
+  const double phi = gamma.norm();
+  if (phi < 1e-6) return weight * Eigen::Matrix3d::Identity();  // φ²/12 below rounding
+  const Eigen::Vector3d n = gamma / phi;
+  const double c = 0.5 * phi / std::tan(0.5 * phi);
+  return weight * (c * Eigen::Matrix3d::Identity() + (1.0 - c) * n * n.transpose());
+}
+
+inline bool is_isotropic(const Eigen::Matrix3d& W) {
+  return (W - W(0, 0) * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() == 0.0;
 }
 
 /// Adds to the parent's stiffness what its child, whose origin is at r from the parent's, passes

@@ -197,6 +197,22 @@ bool SupernodalCholesky::factorize(double shift, std::span<const char> held) {
   return true;
 }
 
+void SupernodalCholesky::add_product(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+  for (const Supernode& s : supernodes_) {
+    const int* const rows = rows_.data() + s.first_row;
+    for (int k = 0; k < s.count; ++k) {
+      const double* const column = H_.data() + s.first_value + k * s.height;
+      const int own = s.first + k;
+      double sum = column[k] * x[own];
+      for (int i = k + 1; i < s.height; ++i) {
+        sum += column[i] * x[rows[i]];
+        y[rows[i]] += column[i] * x[own];
+      }
+      y[own] += sum;
+    }
+  }
+}
+
 void SupernodalCholesky::solve(Eigen::Ref<Eigen::VectorXd> x) {
   for (const Supernode& s : supernodes_) {
     const int* const rows = rows_.data() + s.first_row + s.count;

@@ -37,6 +37,9 @@ class SupernodalCholesky {
   /// those of E. H stays as it is. Returns false if the matrix is not positive definite.
   bool factorize(double shift, std::span<const char> held);
 
+  /// y += H x.
+  void add_product(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+
   /// x ← (LLᵀ)⁻¹ x.
   void solve(Eigen::Ref<Eigen::VectorXd> x);
 

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "ik/curvature.h"
+#include "ik/warm_start.h"
 
 namespace sinew {
 namespace {
@@ -90,10 +91,15 @@ class FrameSolver {
         markers_(markers),
         first_(options.first_frame),
         minimizer_(tree, tracking.problem, options.minimizer),
-        targets_(tracking.problem) {}
+        targets_(tracking.problem),
+        warm_start_(tree) {}
+
+  // The next frame is not the one after the last.
+  void begin_anew() { warm_start_.reset(); }
 
   const Summary& solve(int frame, std::vector<double>& q) {
     set_targets(tracking_, markers_, first_ + frame, targets_);
+    warm_start_.advance(tree_, tracking_.problem, targets_, q);
     prescribe(tree_, markers_.time[first_ + frame], q);
     return minimizer_.minimize(targets_, q);
   }
@@ -117,6 +123,7 @@ class FrameSolver {
   int first_;
   Minimizer minimizer_;
   IkTargets targets_;
+  WarmStart warm_start_;
 };
 
 std::vector<Piece> cut(int frames) {
@@ -165,6 +172,7 @@ class Progress {
 void solve_piece(const Piece& piece, FrameSolver& solver, Progress& progress,
                  TrackingResult& result) {
   std::vector<double> q = piece.start_q;
+  solver.begin_anew();
   for (int frame = piece.begin; frame < piece.end; ++frame) {
     solver.store(frame, solver.solve(frame, q), q, result);
     if (!progress.frame_done()) return;
@@ -200,6 +208,7 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
   FrameSolver leader(tree, tracking, markers, options);
   std::vector<double> q = tree.default_q;
   for (Piece& piece : pieces) {
+    leader.begin_anew();
     piece.start_cost = leader.solve(piece.begin, q).final_cost;
     piece.start_q = q;
   }
@@ -227,6 +236,7 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
       q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
           result.coordinates(pieces[i].begin - 1, static_cast<Eigen::Index>(c));
     }
+    leader.begin_anew();
     const double cost = leader.solve(pieces[i].begin, q).final_cost;
     if (cost < pieces[i].start_cost * (1.0 - kBetterStart)) {
       pieces[i].start_q = q;
@@ -271,7 +281,7 @@ std::vector<int> undetermined_coordinates(const MusculoskeletalModel& model,
   KinematicWorkspace ws(tree);
   std::copy(q.begin(), q.end(), ws.q.begin());
   update_kinematics(tree, ws);
-  GaussNewtonCurvature curvature(tree, tracking.problem);
+  CostCurvature curvature(tree, tracking.problem);
   Eigen::MatrixXd H(tree.unknown_count(), tree.unknown_count());
   curvature.update(tree, tracking.problem, targets, ws);
   curvature.matrix(tracking.problem, targets, ws, H);

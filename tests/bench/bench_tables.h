@@ -12,4 +12,7 @@ void print_frame_times(int frames);
 /// One frame by Gauss-Newton and by Simbody's Assembler, on the published trials.
 void print_assembler_times(int frames);
 
+/// A direction by sparse factorization and by preconditioned conjugate gradients.
+void print_direction_times(double batch_seconds);
+
 }  // namespace sinew

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   sinew::print_gradient_times(quick ? 0.002 : 0.05);
+  sinew::print_direction_times(quick ? 0.02 : 0.2);
   sinew::print_frame_times(quick ? 5 : 40);
   sinew::print_assembler_times(quick ? 5 : 40);
   fmt::print(

@@ -124,7 +124,7 @@ TEST_P(ArticulatedSweeps, GaussNewtonSolvesTheDenseEquations) {
   Eigen::VectorXd d(p.tree.unknown_count());
   ASSERT_TRUE(articulated.compute(at, d));
 
-  GaussNewtonCurvature curvature(p.tree, p.problem);
+  CostCurvature curvature(p.tree, p.problem);
   Eigen::MatrixXd H(d.size(), d.size());
   curvature.update(p.tree, p.problem, p.targets, ws);
   curvature.matrix(p.problem, p.targets, ws, H);
@@ -154,7 +154,7 @@ TEST_P(ArticulatedSweeps, NewtonSolvesWithTheHessianOfTheCost) {
   const Eigen::VectorXd residual = H * d + articulated.damping() * d + at.g;
   EXPECT_LT(residual.norm(), 1e-6 * at.g.norm());
   // The second-order terms matter here: Gauss-Newton's matrix does not solve it.
-  GaussNewtonCurvature curvature(p.tree, p.problem);
+  CostCurvature curvature(p.tree, p.problem);
   Eigen::MatrixXd J(d.size(), d.size());
   curvature.update(p.tree, p.problem, p.targets, ws);
   curvature.matrix(p.problem, p.targets, ws, J);

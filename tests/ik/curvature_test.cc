@@ -107,7 +107,7 @@ TEST_P(Curvature, IsThatOfTheExplicitJacobians) {
     make_alignments_parallel(p, ws);
     MatrixXd expected = explicit_curvature(p, ws);
     add_coordinate_curvature(p, ws, expected);
-    GaussNewtonCurvature curvature(p.tree, p.problem);
+    CostCurvature curvature(p.tree, p.problem);
     MatrixXd H(expected.rows(), expected.cols());
     curvature.update(p.tree, p.problem, p.targets, ws);
     curvature.matrix(p.problem, p.targets, ws, H);
@@ -123,7 +123,7 @@ TEST_P(Curvature, HasTheDiagonalOfItsMatrix) {
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     const RandomProblem p = random_problem(seed, GetParam());
     const KinematicWorkspace ws = p.workspace();
-    GaussNewtonCurvature curvature(p.tree, p.problem);
+    CostCurvature curvature(p.tree, p.problem);
     MatrixXd H(p.tree.unknown_count(), p.tree.unknown_count());
     VectorXd diagonal(p.tree.unknown_count());
     curvature.update(p.tree, p.problem, p.targets, ws);
@@ -156,7 +156,7 @@ TEST_P(Curvature, IsThatOfTheGradientsDifferencesAtZeroResidual) {
       const PositionResidual& r = p.problem.positions[i];
       p.targets.positions[i] = at.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP;
     }
-    GaussNewtonCurvature curvature(p.tree, p.problem);
+    CostCurvature curvature(p.tree, p.problem);
     MatrixXd H(p.tree.unknown_count(), p.tree.unknown_count());
     curvature.update(p.tree, p.problem, p.targets, at);
     curvature.matrix(p.problem, p.targets, at, H);

@@ -124,7 +124,7 @@ struct OneIterate {
 VectorXd expected_levenberg_marquardt(const OneIterate& one, double lambda) {
   const RandomProblem& p = one.p;
   const int n = p.tree.unknown_count();
-  GaussNewtonCurvature curvature(p.tree, p.problem);
+  CostCurvature curvature(p.tree, p.problem);
   MatrixXd B(n, n);
   curvature.update(p.tree, p.problem, p.targets, one.ws);
   curvature.matrix(p.problem, p.targets, one.ws, B);

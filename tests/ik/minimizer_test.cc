@@ -67,7 +67,7 @@ double distance_bound(const Walker& walker, const IkTargets& targets, const std:
   KinematicWorkspace ws(walker.tree);
   ws.q = q;
   update_kinematics(walker.tree, ws);
-  GaussNewtonCurvature curvature(walker.tree, walker.problem);
+  CostCurvature curvature(walker.tree, walker.problem);
   const int n = walker.tree.unknown_count();
   Eigen::MatrixXd H(n, n);
   curvature.update(walker.tree, walker.problem, targets, ws);

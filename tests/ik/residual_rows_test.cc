@@ -24,7 +24,7 @@ TEST_P(ResidualRowsOf, MakeTheCostItsGradientAndItsCurvature) {
     const int n = p.tree.unknown_count();
     VectorXd g(n);
     const double f = decomposed_gradient(p.tree, p.problem, p.targets, ws, g);
-    GaussNewtonCurvature curvature(p.tree, p.problem);
+    CostCurvature curvature(p.tree, p.problem);
     MatrixXd B(n, n);
     curvature.update(p.tree, p.problem, p.targets, ws);
     curvature.matrix(p.problem, p.targets, ws, B);

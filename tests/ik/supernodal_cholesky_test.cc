@@ -113,7 +113,7 @@ TEST(SupernodalCholesky, KeepsOutZerosThatStayZero) {
 TEST_P(RandomPatterns, HoldTheCurvatureOfEveryProblem) {
   const RandomProblem p = random_problem(GetParam(), GetParam() % 2 == 1);
   const KinematicWorkspace ws = p.workspace();
-  GaussNewtonCurvature curvature(p.tree, p.problem);
+  CostCurvature curvature(p.tree, p.problem);
   curvature.update(p.tree, p.problem, p.targets, ws);
   const int n = p.tree.unknown_count();
   const auto cliques = curvature.reversed_cliques(p.tree, p.problem);
@@ -121,7 +121,7 @@ TEST_P(RandomPatterns, HoldTheCurvatureOfEveryProblem) {
   MatrixXd H(n, n), pattern = MatrixXd::Identity(n, n);
   curvature.matrix(p.problem, p.targets, ws, H);
   std::vector<int> offsets;
-  for (const GaussNewtonCurvature::Entry& each : curvature.entries()) {
+  for (const CostCurvature::Entry& each : curvature.entries()) {
     ASSERT_GE(each.row, each.column);
     offsets.push_back(factor.offset(each.row, each.column));
     ASSERT_GE(offsets.back(), 0);

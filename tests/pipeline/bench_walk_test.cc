@@ -43,8 +43,7 @@ TEST(BenchWalk, WritesARowForEveryMethodAndGradient) {
 }
 
 // From the solution of the frame before, methods of first and of second order and both gradients
-// find the same minimum, to more than the six digits after the point of the paper: the cost-change
-// that ends a method is 1e-12.
+// find the same minimum, to the six digits after the point of the paper.
 TEST(BenchWalk, MethodsAgreeOnTheCost) {
   const TemporaryFolder folder;
   const Json rows = rows_of(folder, {"--levels", "simplified", "--noise", "0", "--soft-tissue", "0",
@@ -57,7 +56,19 @@ TEST(BenchWalk, MethodsAgreeOnTheCost) {
     costs.push_back(row["final_cost"]);
   }
   ASSERT_EQ(costs.size(), 5u);
-  for (const double cost : costs) EXPECT_NEAR(cost, costs[0], 1e-9);
+  for (const double cost : costs) EXPECT_NEAR(cost, costs[0], 5e-7);
+}
+
+// Second derivatives, wires that become taut and the start from two frames leave little to do.
+TEST(BenchWalk, TheDetailedBodyTakesFewIterations) {
+  const TemporaryFolder folder;
+  const Json rows = rows_of(folder, {"--levels", "detailed", "--noise", "0", "--soft-tissue", "0",
+                                     "--methods", "articulated"});
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_TRUE(rows[1]["warm_start"].get<bool>());
+  EXPECT_EQ(rows[1]["frames"], 220);
+  EXPECT_EQ(rows[1]["termination"], "gradient");
+  EXPECT_LT(rows[1]["iterations"], 4.0);
 }
 
 TEST(BenchWalk, StopsOnInterruptWithoutAFile) {
