@@ -21,9 +21,14 @@ constexpr int kMaxDimensions = 7;
 // Walks over the records.
 class Parser {
  public:
-  Parser(const std::string& path, std::string_view bytes, std::size_t offset,
+  Parser(const std::string& path, std::string_view bytes, std::size_t offset, std::size_t declared,
          C3dProcessor processor, std::vector<Warning>& warnings)
-      : path_(path), bytes_(bytes), offset_(offset), processor_(processor), warnings_(warnings) {}
+      : path_(path),
+        bytes_(bytes),
+        offset_(offset),
+        declared_(declared),
+        processor_(processor),
+        warnings_(warnings) {}
 
   C3dGroups parse() {
     while (parse_record()) {
@@ -65,7 +70,11 @@ class Parser {
     if (id == 0 || !holds(next_at, 2)) return stop("what is no record");
     std::string name(bytes_.substr(at_ + 2, length));
     const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
-    if (std::any_of(name.begin(), name.end(), is_control)) return stop("what is no record");
+    const auto is_beyond_ascii = [](char c) { return static_cast<unsigned char>(c) > 0x7e; };
+    if (std::any_of(name.begin(), name.end(), is_control) ||
+        (at_ >= declared_ && std::any_of(name.begin(), name.end(), is_beyond_ascii))) {
+      return stop("what is no record");
+    }
     name = text::trim(name);
     const std::size_t next = word_at(processor_, data(next_at));
     if (id < 0) {
@@ -175,7 +184,7 @@ class Parser {
 
   const std::string& path_;
   const std::string_view bytes_;
-  const std::size_t offset_;
+  const std::size_t offset_, declared_;
   const C3dProcessor processor_;
   std::vector<Warning>& warnings_;
   std::size_t at_ = 0;
@@ -197,8 +206,10 @@ void put_name(std::string& out, const std::string& name, bool locked, int id) {
 }
 
 // The length is a byte, but programs are about that take it for a signed one and lose their way.
+constexpr std::size_t kMaxDescription = 127;
+
 void put_description(std::string& out, const std::string& description) {
-  const std::string cut = description.substr(0, 127);
+  const std::string cut = description.substr(0, kMaxDescription);
   out += static_cast<char>(cut.size());
   out += cut;
 }
@@ -244,15 +255,16 @@ void put_parameter(const std::string& path, const C3dGroup& group, const C3dPara
 }  // namespace
 
 C3dGroups parse_parameters(const std::string& path, std::string_view bytes, std::size_t offset,
-                           C3dProcessor processor, std::vector<Warning>& warnings) {
-  return Parser(path, bytes, offset, processor, warnings).parse();
+                           std::size_t declared, C3dProcessor processor,
+                           std::vector<Warning>& warnings) {
+  return Parser(path, bytes, offset, declared, processor, warnings).parse();
 }
 
 std::string format_parameters(const std::string& path, const C3dGroups& groups) {
   std::string out = {1, 0x50, 0, static_cast<char>(C3dProcessor::kIntel)};
   for (const C3dGroup& group : groups) {
     put_name(out, group.name, group.locked, -group.id);
-    put_word(out, 3 + std::min<std::size_t>(group.description.size(), 255));
+    put_word(out, 3 + std::min(group.description.size(), kMaxDescription));
     put_description(out, group.description);
   }
   for (const C3dGroup& group : groups) {

@@ -150,9 +150,10 @@ class C3dReader::Implementation {
     const std::uint64_t declared = bytes_of(first)[begin + 2];
     const std::uint64_t end = std::min(begin + declared * c3d::kBlock, bytes_.size());
     const std::uint64_t records = begin + 4, bound = records_end(begin, end);
-    file_.groups =
-        c3d::parse_parameters(file_.path, bytes_.text(records, bound - records),
-                              static_cast<std::size_t>(records), start.processor, file_.warnings);
+    file_.groups = c3d::parse_parameters(
+        file_.path, bytes_.text(records, bound - records), static_cast<std::size_t>(records),
+        static_cast<std::size_t>(end > records ? end - records : 0), start.processor,
+        file_.warnings);
     file_.layout = c3d::find_layout(file_.path, file_.header, file_.groups, end, bytes_.size(),
                                     file_.warnings);
   }

@@ -325,6 +325,32 @@ std::string warnings_of(const C3dFile& file) {
   return text;
 }
 
+// The header points to data far behind where they are: all between is no list of parameters.
+TEST(C3dMalformed, DataAreNotTakenForParameters) {
+  const TemporaryFolder folder;
+  C3dFile file = small_file();
+  file.events.clear();
+  const int frames = 4000;
+  file.analog = {};
+  file.markers.frame_numbers.clear();
+  file.markers.p_WM.resize(frames, 6);
+  for (int i = 0; i < frames; ++i) {
+    file.markers.frame_numbers.push_back(i + 1);
+    // Bytes of these reals, from the left: a record of a name of two bytes in group 3, then more.
+    for (int k = 0; k < 6; ++k) file.markers.p_WM(i, k) = 1e-3 * std::bit_cast<float>(0xc3c20302u);
+  }
+  write_c3d(folder.path() / "a.c3d", file);
+  Bytes bytes(content_of(folder.path() / "a.c3d"));
+  // The last record points to where data begin instead of to the end of the list.
+  const std::size_t pointer = bytes.name_of("USED", 3) + 4, to_data = bytes.data() - pointer;
+  bytes.byte(pointer, static_cast<int>(to_data & 0xff))
+      .byte(pointer + 1, static_cast<int>(to_data >> 8));
+  bytes.word(9, 200);
+  const C3dFile read = read_c3d(folder.write("b.c3d", bytes.text()));
+  EXPECT_EQ(read.groups.size(), 3u);  // POINT, ANALOG and FORCE_PLATFORM
+  EXPECT_LE(read.warnings.size(), 5u);
+}
+
 TEST(C3dMalformed, FilesWithoutMarkersAreRead) {
   const TemporaryFolder folder;
   C3dFile file = small_file();

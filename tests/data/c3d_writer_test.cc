@@ -92,6 +92,23 @@ TEST(C3dWriter, RoundsIntegersToHalfAStep) {
   EXPECT_LE((read.analog.values - file.analog.values).cwiseAbs().maxCoeff(), 0.51 / 31999.0);
 }
 
+TEST(C3dWriter, CutsLongDescriptions) {
+  const TemporaryFolder folder;
+  C3dFile file = large_numbers();
+  C3dParameter note = C3dParameter::of_text("NOTE", "text");
+  note.description = std::string(200, 'd');
+  file.groups.push_back(
+      {.id = 1, .name = "LAB", .description = std::string(300, 'g'), .parameters = {note}});
+  write_c3d(folder.path() / "a.c3d", file);
+  const C3dFile read = read_c3d(folder.path() / "a.c3d");
+  EXPECT_EQ(to_text(read.warnings), "");
+  EXPECT_EQ(read.markers.names, file.markers.names);
+  const C3dGroup* group = find_group(read.groups, "LAB");
+  ASSERT_NE(group, nullptr);
+  EXPECT_EQ(group->description, std::string(127, 'g'));
+  EXPECT_EQ(group->find("NOTE")->description, std::string(127, 'd'));
+}
+
 TEST(C3dWriter, KeepsMoreFramesThanAWordCounts) {
   const TemporaryFolder folder;
   C3dFile file;
