@@ -30,6 +30,8 @@ DecisionLog::DecisionLog(const std::filesystem::path& replayed) : path_(replayed
     const Json json = Json::parse(content);
     if (json.at("version").get<int>() != kVersion) throw std::invalid_argument("version");
     for (const Json& decision : json.at("decisions")) {
+      // What was taken as it was found is found again, so that it follows what is edited.
+      if (decision.at("value") == decision.at("found") && decision.at("by") != "option") continue;
       replayed_[decision.at("name").get<std::string>()] = decision.at("value");
     }
     for (const auto& [option, values] : json.at("options").items()) {

@@ -15,6 +15,7 @@
 #include "pipeline/lab_model.h"
 #include "pipeline/lab_motion.h"
 #include "pipeline/lab_recording.h"
+#include "pipeline/preflight_files.h"
 #include "pipeline/setup_files.h"
 
 namespace sinew {
@@ -24,6 +25,8 @@ namespace fs = std::filesystem;
 
 // Below it noise of 2 N would move a centre of pressure by a tenth of the platform.
 constexpr double kThreshold = 20.0;  // [N]
+
+constexpr double kWorthSaying = 0.6;  // likely or more
 
 constexpr const char* kModel = "model.osim";
 constexpr const char* kGeneric = "model_generic.osim";
@@ -54,6 +57,7 @@ class Preparation {
     threshold_ = log_.settle_number(
         {"threshold", {}, kThreshold, "[N] what laboratories use", {}, "", "--threshold"}, true);
     LabTrial walk = read_lab_recording(options_.c3d, "", options_, threshold_, log_, warnings_);
+    check_first(generic);
     MarkerTrajectories markers = name(walk, "", generic.model);
     scale(generic, walk, markers);
     condition_lab_markers(markers, walk.file.path, folder_ / kModel, folder_ / kFilled, log_,
@@ -72,6 +76,24 @@ class Preparation {
                    {"tasks", job_.ik.tasks},       {"task_coordinates", job_.ik.coordinates},
                    {"loads", job_.dynamics.loads}, {"load_data", job_.dynamics.load_data}};
     if (!find_whole_body(job_.ik.model)) job_.inputs.emplace_back("model", job_.ik.model);
+  }
+
+  // What would spoil the run, and what mends it, before anything is solved.
+  void check_first(const GenericModel& generic) {
+    PreflightFiles files;
+    files.read_model(generic.file.string());
+    files.read(options_.c3d);
+    if (!options_.static_trial.empty()) files.read(options_.static_trial);
+    for (const Finding& finding : run_preflight(files.inputs())) {
+      if (finding.severity == Finding::Severity::kNote || finding.confidence < kWorthSaying)
+        continue;
+      const std::string mends = remedy(finding);
+      report(warnings_,
+             {{{finding.file.empty() ? options_.c3d : finding.file},
+               fmt::format("{}{}{} ({}){}{}", finding.where, finding.where.empty() ? "" : ": ",
+                           finding.text, confidence_word(finding.confidence),
+                           mends.empty() ? "" : "; mended by ", mends)}});
+    }
   }
 
   MarkerTrajectories name(const LabTrial& trial, const std::string& which,

@@ -124,7 +124,7 @@ TEST_F(LabRun, EditedDecisionsHold) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(holds(outcome.out, "marker cutoff: 8 (as decisions.json says; ")) << outcome.out;
   // What follows from it follows.
-  EXPECT_TRUE(holds(outcome.out, "force cutoff: 6 (as decisions.json says; ")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "force cutoff: 8 ([Hz] as the markers')")) << outcome.out;
   const Json after = json("edit/decisions.json");
   EXPECT_EQ(decision(after, contact)["value"], "none");
   EXPECT_EQ(decision(after, contact)["by"], "decisions.json");
