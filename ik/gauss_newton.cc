@@ -33,8 +33,8 @@ GaussNewton::GaussNewton(const KinematicTree& tree, const IkProblem& problem,
       taut_(problem.wires.size(), 0),
       rhs_(tree.unknown_count()),
       stop_(tree.unknown_count()),
-      d_(tree.unknown_count()),
-      solution_(tree.unknown_count()) {
+      solution_(tree.unknown_count()),
+      d_(tree.unknown_count()) {
   for (const CostCurvature::Entry& entry : curvature_.entries()) {
     offsets_.push_back(factor_.offset(entry.row, entry.column));
   }
