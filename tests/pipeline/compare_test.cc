@@ -12,16 +12,16 @@ class Compare : public ::testing::Test {
     folder_.write("a.mot",
                   "Coordinates\nversion=1\nnRows=3\nnColumns=4\ninDegrees=yes\nendheader\n"
                   "time\tknee_angle_r\tpelvis_tx\town\n"
-                  "0\t10\t0.1\t1\n0.1\t20\t0.2\t1\n0.2\t30\t0.3\t1\n");
+                  "0\t10\t0.1\t1\n0.1\t20\t0.25\t1\n0.2\t30\t0.3\t1\n");
     folder_.write("b.sto",
                   "Coordinates\nversion=1\nnRows=3\nnColumns=3\ninDegrees=yes\nendheader\n"
                   "time\tknee_angle_r\tpelvis_tx\n"
-                  "0\t10\t0.1\n0.1\t21\t0.2\n0.2\t34\t0.3\n");
+                  "0\t10\t0.1\n0.1\t21\t0.25\n0.2\t34\t0.3\n");
     folder_.write(
         "c.sto",
         "Coordinates\nversion=1\nnRows=3\nnColumns=3\ninDegrees=no\nendheader\n"
         "time\t/jointset/knee_r/knee_angle_r/value\t/jointset/ground_pelvis/pelvis_tx/value\n"
-        "0\t0.17453292519943295\t0.1\n0.1\t0.3490658503988659\t0.2\n"
+        "0\t0.17453292519943295\t0.1\n0.1\t0.3490658503988659\t0.25\n"
         "0.2\t0.5235987755982988\t0.3\n");
   }
 
@@ -39,7 +39,7 @@ TEST_F(Compare, PrintsATableOfErrors) {
             "knee_angle_r                                2.38           4       0.2          34"
             "      11.8       0\n"
             "pelvis_tx                                      0           0         0         0.3"
-            "         0       -\n"
+            "         0       1\n"
             "only in a.mot: 1 column: own\n");
 }
 
