@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace sinew {
@@ -39,22 +38,13 @@ IkTargets default_targets(const MusculoskeletalModel& model, const IkProblem& pr
   return targets;
 }
 
-// The pull that draws a link, not the wires' weights, says how small a gradient is: a hundredth of
-// a millimetre or of a milliradian beside the minimum.
-MinimizerOptions options_for(const WireOptions& wires) {
-  MinimizerOptions options;
-  options.test = GradientTest::kEuclidean;
-  options.gradient_tolerance = std::max(1e-5 * wires.virtual_link_weight, 1e-13);  // rounding
-  return options;
-}
-
 }  // namespace
 
 FurcationPose::FurcationPose(const MusculoskeletalModel& model, const WireOptions& options)
     : tree_(compile_links_only(model)),
       problem_(links_problem(model, tree_, options, free_, wires_)),
       targets_(default_targets(model, problem_, free_)),
-      minimizer_(tree_, problem_, options_for(options)),
+      minimizer_(tree_, problem_, {}),
       q_(tree_.default_q) {}
 
 void FurcationPose::solve(std::span<double> q) {
