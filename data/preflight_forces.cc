@@ -21,14 +21,16 @@ using Severity = Finding::Severity;
 // Of the range between a channel's ends: what stays this near to zero is at rest.
 constexpr double kRest = 0.15;
 // A value met in more than this part of all samples is how the channel rests.
-constexpr double kRestShare = 0.25;
+constexpr double kRestShare = 0.5;
 
-// The smallest step between neighbours that differ: one unit of the converter, if it shows.
+// The smallest distance of two values that differ: one unit of the converter, if it shows. Between
+// neighbours in time it would be what a steep flank rises by in a sample.
 double smallest_step(const Eigen::VectorXd& samples) {
+  std::vector<double> sorted(samples.begin(), samples.end());
+  std::sort(sorted.begin(), sorted.end());
   double step = std::numeric_limits<double>::infinity();
-  for (Index i = 1; i < samples.size(); ++i) {
-    const double d = std::abs(samples[i] - samples[i - 1]);
-    if (d > 0.0) step = std::min(step, d);
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i] > sorted[i - 1]) step = std::min(step, sorted[i] - sorted[i - 1]);
   }
   return std::isfinite(step) ? step : 0.0;
 }

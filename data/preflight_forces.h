@@ -40,7 +40,7 @@ struct FlatTop {
 
 /// Flat tops at both ends of a channel's range. What stays near zero is an unloaded platform. With
 /// `at_limit`, the channel's ends of the converter's range, a value there counts however often it
-/// is met; else one met in more than a quarter of all samples is how the channel rests.
+/// is met; else one met in more than half of all samples is how the channel rests.
 std::vector<FlatTop> find_flat_tops(const Eigen::VectorXd& samples,
                                     const std::vector<double>& limits,
                                     const ForceCheckOptions& options = {});

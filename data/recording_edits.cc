@@ -172,9 +172,14 @@ void set_unit(C3dFile& file, const std::string& unit) {
   scale_parameter(file, "ORIGIN", 1.0 / factor);
 }
 
-// The mean of columns over the samples within times.
-Eigen::RowVectorXd mean_within(const C3dFile& file, const std::vector<int>& channels,
-                               const UnloadedTime& time) {
+// The mean of columns over samples, and the middle of their times.
+struct Baseline {
+  double center = 0.0;  // [s]
+  Eigen::RowVectorXd mean;
+};
+
+Baseline mean_within(const C3dFile& file, const std::vector<int>& channels,
+                     const UnloadedTime& time) {
   const auto limited = [&](double seconds) {
     return static_cast<Eigen::Index>(std::clamp(std::round(seconds * file.analog.rate), 0.0,
                                                 static_cast<double>(file.analog.values.rows())));
@@ -184,12 +189,15 @@ Eigen::RowVectorXd mean_within(const C3dFile& file, const std::vector<int>& chan
     throw std::invalid_argument(
         fmt::format("--zero-plates: no sample lies between {} s and {} s", time.from, time.to));
   }
-  Eigen::RowVectorXd mean(static_cast<Eigen::Index>(channels.size()));
+  Baseline baseline;
+  baseline.center =
+      (static_cast<double>(first) + 0.5 * static_cast<double>(count - 1)) / file.analog.rate;
+  baseline.mean.resize(static_cast<Eigen::Index>(channels.size()));
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    mean[static_cast<Eigen::Index>(i)] =
+    baseline.mean[static_cast<Eigen::Index>(i)] =
         file.analog.values.col(channels[i]).segment(first, count).mean();
   }
-  return mean;
+  return baseline;
 }
 
 // Subtracts what goes straight from each mean to the next, and level outside of them.
@@ -197,17 +205,16 @@ void subtract_baseline(C3dFile& file, const std::vector<int>& channels,
                        std::vector<UnloadedTime> times) {
   std::sort(times.begin(), times.end(),
             [](const UnloadedTime& a, const UnloadedTime& b) { return a.from < b.from; });
-  std::vector<Eigen::RowVectorXd> means;
+  std::vector<Baseline> means;
   for (const UnloadedTime& time : times) means.push_back(mean_within(file, channels, time));
   std::size_t k = 0;
   for (Eigen::Index row = 0; row < file.analog.values.rows(); ++row) {
     const double t = static_cast<double>(row) / file.analog.rate;
-    const auto center = [&](std::size_t i) { return 0.5 * (times[i].from + times[i].to); };
-    while (k + 1 < times.size() && t >= center(k + 1)) ++k;
-    Eigen::RowVectorXd baseline = means[k];
-    if (k + 1 < times.size() && t > center(k)) {
-      const double s = (t - center(k)) / (center(k + 1) - center(k));
-      baseline += s * (means[k + 1] - means[k]);
+    while (k + 1 < means.size() && t >= means[k + 1].center) ++k;
+    Eigen::RowVectorXd baseline = means[k].mean;
+    if (k + 1 < means.size() && t > means[k].center) {
+      const double s = (t - means[k].center) / (means[k + 1].center - means[k].center);
+      baseline += s * (means[k + 1].mean - means[k].mean);
     }
     for (std::size_t i = 0; i < channels.size(); ++i) {
       file.analog.values(row, channels[i]) -= baseline[static_cast<Eigen::Index>(i)];

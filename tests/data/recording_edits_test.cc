@@ -136,8 +136,8 @@ TEST(RecordingEdits, TakesALineOffTheChannelsOfPlatformsOnly) {
   // Means of samples 0 to 19 and 80 to 99, about 9.5 and 89.5.
   edits.unloaded = {{1, 0.08, 0.1}, {1, 0.0, 0.02}};
   edit_recording(file, edits);
-  EXPECT_NEAR(file.analog.values(10, 2), 0.5 * (10 - 9.5) - 0.5 * 0.0, 0.3);
-  for (int i = 12; i < 90; ++i) EXPECT_NEAR(file.analog.values(i, 2), -0.25, 1e-9) << i;
+  EXPECT_NEAR(file.analog.values(0, 2), -0.5 * 9.5, 1e-9);
+  for (int i = 10; i < 90; ++i) EXPECT_NEAR(file.analog.values(i, 2), 0.0, 1e-9) << i;
   EXPECT_EQ(file.analog.values(50, 6), 2.0 + 0.5 * 50);
   edits.unloaded = {{2, 0.0, 0.02}};
   EXPECT_THROW(edit_recording(file, edits), std::invalid_argument);
