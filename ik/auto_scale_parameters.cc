@@ -64,8 +64,11 @@ void join_sides(const MusculoskeletalModel& model, Groups& groups) {
 // A body without markers goes with the only one that it carries, or else with its carrier.
 void join_unmarked(const MusculoskeletalModel& model, std::span<const int> tracked,
                    Groups& groups) {
-  std::set<int> marked;
-  for (const int m : tracked) marked.insert(model.markers[static_cast<std::size_t>(m)].body);
+  std::set<int> marked;  // groups: one marked side is enough
+  for (const int m : tracked) {
+    marked.insert(groups.find(model.markers[static_cast<std::size_t>(m)].body));
+  }
+  const Groups before = groups;
   std::vector<std::vector<int>> carried(model.bodies.size());
   for (const Joint& joint : model.joints) {
     if (model.bodies[static_cast<std::size_t>(joint.child)].virtual_link) continue;
@@ -73,7 +76,7 @@ void join_unmarked(const MusculoskeletalModel& model, std::span<const int> track
   }
   for (std::size_t b = 1; b < model.bodies.size(); ++b) {
     const int body = static_cast<int>(b), carrier = model.joints[b - 1].parent;
-    if (marked.contains(body)) continue;
+    if (marked.contains(before.find(body))) continue;
     if (carried[b].size() == 1) {
       groups.join(body, carried[b][0]);
     } else if (carrier > 0) {

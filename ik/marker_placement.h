@@ -55,7 +55,11 @@ struct MarkerPlacementResult {
 
 /// OpenSim's MarkerPlacer: averages the static trial, finds the pose by weighted least squares on
 /// the markers and coordinate tasks, from the default pose, and moves every marker that is not
-/// fixed to where it was measured. The default pose of the model stays.
+/// fixed to where it was measured. The default pose of the model stays. As in OpenSim,
+///
+///     ½ Σ w_m |Δp_m|² / Σ w_m + ½ Σ w_c Δq_c²
+///
+/// is minimized, over the measured markers m and the coordinate tasks c.
 ///
 /// `coordinate_values`: 1 × coordinates of the model, for tasks that take them from a file [rad or
 /// m], NaN where there is none; or null. Throws InputError if the recording has no marker of
