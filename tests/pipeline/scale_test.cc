@@ -66,7 +66,7 @@ void expect_masses(const MusculoskeletalModel& a, const MusculoskeletalModel& b)
     const Body& ours = a.bodies[static_cast<std::size_t>(a.find_body(body.name))];
     EXPECT_NEAR(ours.mass, body.mass, kRelative * body.mass) << body.name;
     EXPECT_LT((ours.p_BCm - body.p_BCm).norm(), 1e-6) << body.name;
-    EXPECT_LT((ours.I_BCm - body.I_BCm).norm(), kRelative * body.I_BCm.norm()) << body.name;
+    EXPECT_LE((ours.I_BCm - body.I_BCm).norm(), kRelative * body.I_BCm.norm()) << body.name;
   }
 }
 
@@ -258,6 +258,8 @@ TEST_F(PublishedScaling, OfARunner) {
   }
   int points = 0;
   for (const PathElement& path : theirs.paths) {
+    // The two generic models differ in the paths of the hip's abductors, and in no others.
+    if (path.name.starts_with("glm") || path.name.starts_with("tfl")) continue;
     const auto same = std::find_if(ours.paths.begin(), ours.paths.end(),
                                    [&](const PathElement& p) { return p.name == path.name; });
     if (same == ours.paths.end() || same->points.size() != path.points.size()) continue;
@@ -282,7 +284,8 @@ TEST(ScaleCommand, TellsWhatIsMissing) {
             "no output file: give --out FILE.osim, or name <output_model_file> in the setup");
   EXPECT_EQ(error({"--model", "m.osim", "--out", "o.osim", "--motion", "q.mot"}),
             "--motion needs the static pose: give --static FILE.trc");
-  EXPECT_EQ(error({"--model", "m.osim", "--out", "o.osim"}), "");
+  EXPECT_EQ(error({"--model", "m.osim", "--out", "o.osim"}),
+            "m.osim: no such file. Check the path and its spelling.");
   folder.write("windows.xml",
                "<OpenSimDocument Version=\"30000\"><ScaleTool name=\"s\">\n<GenericModelMaker>"
                "<model_file>C:\\models\\m.osim</model_file></GenericModelMaker>\n<ModelScaler>\n"
