@@ -154,7 +154,9 @@ class Weighing {
     if (channels >= 0) {
       analogs.push_back({channels, std::max(1, header_.analog_ratio)});
       if (by_rates > 0) analogs.push_back({channels, by_rates});
-      if (channels > 0) analogs.push_back({channels, header_.analog_per_frame / channels});
+      if (channels > 0 && header_.analog_per_frame >= channels) {
+        analogs.push_back({channels, header_.analog_per_frame / channels});
+      }
     }
     const int ratio = std::max(1, header_.analog_ratio);
     analogs.push_back({header_.analog_per_frame / ratio, ratio});
