@@ -196,8 +196,11 @@ TEST_F(LabRun, FilledSamplesAreListedAndWeighLess) {
   EXPECT_EQ(rows[1][5], "8");
   // Filled samples are no measurement that could be met.
   for (const auto& row : csv_rows(path() / "gap/marker_errors.csv")) {
-    if (row[0] == "RKNE") EXPECT_EQ(row[2], "23");
-    if (row[0] == "LKNE") EXPECT_EQ(row[2], "31");
+    if (row[0] == "RKNE") {
+      EXPECT_EQ(row[2], "23");
+    } else if (row[0] == "LKNE") {
+      EXPECT_EQ(row[2], "31");
+    }
   }
 }
 

@@ -99,12 +99,6 @@ std::vector<Finding> check(const MarkerTrajectories& markers, const TimeTable* f
   return run_preflight(inputs);
 }
 
-int marker_named(const MarkerTrajectories& markers, const std::string& name) {
-  const int index = markers.find_marker(name);
-  EXPECT_GE(index, 0) << name;
-  return index;
-}
-
 void exchange(MarkerTrajectories& markers, int a, int b, int first, int end) {
   const RowMatrix kept = markers.p_WM.block(first, 3 * a, end - first, 3);
   markers.p_WM.block(first, 3 * a, end - first, 3) =
