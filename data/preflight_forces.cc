@@ -186,8 +186,11 @@ std::vector<FlatTop> find_flat_tops(const Eigen::VectorXd& samples,
   std::vector<FlatTop> tops;
   if (samples.size() < 2 * options.least_flat || !samples.allFinite()) return tops;
   const double highest = samples.maxCoeff(), lowest = samples.minCoeff(), range = highest - lowest;
-  // A platform uses eight bits of its converter at the least; short records show but some values.
-  const double step = std::min(smallest_step(samples), range / 256.0);
+  const double unit = smallest_step(samples);
+  // What spans a few of the converter's units is at rest and no force that could be cut off.
+  if (range < 32.0 * unit) return tops;
+  // A loaded channel uses eight bits at the least; short records show but some of its values.
+  const double step = std::min(unit, range / 256.0);
   for (const double value : {highest, lowest}) {
     if (std::abs(value) <= kRest * range) continue;
     const bool at_limit = is_limit(value, limits, step);

@@ -41,6 +41,7 @@ class Check {
       platforms_ = compute_forces(*recording_.c3d, {.threshold = inputs_.threshold});
       note_platforms();
     }
+    if (recording_.markers) append(findings_, find_timing_faults(markers()));
     if (has_markers(recording_)) {
       find_laboratory();
       check_markers();
@@ -124,7 +125,6 @@ class Check {
 
   void check_markers() {
     append(findings_, find_unit_faults(markers(), recording_.metres_per_unit));
-    append(findings_, find_timing_faults(markers()));
     append(findings_, find_missing_markers(markers()));
     append(findings_, find_duplicate_markers(markers(), recording_.labels));
     append(findings_, find_stray_markers(markers()));
