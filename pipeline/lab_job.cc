@@ -129,7 +129,7 @@ class Preparation {
         {"filled weight",
          {},
          kFilledWeight,
-         "of a measured marker's: filled positions are off by about three times as much",
+         "of a measured marker's: filled positions follow from others and measure nothing",
          {},
          "",
          "--filled-weight"},

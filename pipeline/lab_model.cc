@@ -71,6 +71,8 @@ ScaledModel scale_by_markers(const GenericModel& generic, const MarkerFile& reco
   job.model_file = generic.file;
   job.mass = mass;
   job.trials = {recording};
+  // More would only take longer: together they weigh no more than so many independent ones.
+  job.options.frames = static_cast<int>(job.options.independent_frames);
   job.options.threads = threads;
   job.options.progress = progress_bar("scaling");
   ScaledModel scaled = run_auto_scale(job);

@@ -89,9 +89,11 @@ GapFillResult prepare_markers(MarkerTrajectories& markers, const std::string& pa
     int samples = 0, left = 0;
     for (const FilledGap& gap : filled.filled) samples += gap.gap.count;
     for (const MarkerGap& gap : filled.left) left += gap.count;
-    report(warnings, {{{path},
-                       fmt::format("{} gaps of {} marker samples were filled; {} gaps of {} stay",
-                                   filled.filled.size(), samples, filled.left.size(), left)}});
+    if (!filled.filled.empty() || !filled.left.empty()) {
+      report(warnings, {{{path},
+                         fmt::format("{} gaps of {} marker samples were filled; {} gaps of {} stay",
+                                     filled.filled.size(), samples, filled.left.size(), left)}});
+    }
   }
   if (options.marker_cutoff) {
     const int untouched = lowpass(markers, *options.marker_cutoff);
