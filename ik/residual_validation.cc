@@ -87,14 +87,16 @@ void check_size(const char* kind, std::size_t residuals, std::size_t targets) {
 
 void validate(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets) {
   check_size("position", problem.positions.size(), targets.positions.size());
-  check_size("position", problem.positions.size(), targets.position_scales.size());
+  if (!targets.position_scales.empty()) {
+    check_size("position", problem.positions.size(), targets.position_scales.size());
+  }
   check_size("orientation", problem.orientations.size(), targets.orientations.size());
   check_size("distance", problem.distances.size(), targets.distances.size());
   check_size("coordinate", problem.coordinates.size(), targets.coordinates.size());
   for (std::size_t i = 0; i < problem.positions.size(); ++i) {
     check_link(tree, "position", i, problem.positions[i].link);
     check_weight("position", i, problem.positions[i].weight);
-    check_weight("position", i, targets.position_scales[i]);
+    check_weight("position", i, position_scale(targets, i));
   }
   for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
     check_link(tree, "orientation", i, problem.orientations[i].link);

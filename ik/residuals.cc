@@ -45,7 +45,7 @@ double accumulate(const IkProblem& problem, const IkTargets& targets, const Kine
     const PositionResidual& r = problem.positions[i];
     const Vector3d p = point(ws, r.link, r.p_BP);
     const Vector3d delta = target - p;
-    const Vector3d pull = targets.position_scales[i] * (r.weight * delta);
+    const Vector3d pull = position_scale(targets, i) * (r.weight * delta);
     twice_f += delta.dot(pull);
     if constexpr (kWrenches) sink.force_at(r.link, p, -pull);
   }
@@ -126,7 +126,6 @@ void add_coordinate_gradients(const IkProblem& problem, const IkTargets& targets
 
 IkTargets::IkTargets(const IkProblem& problem)
     : positions(problem.positions.size(), Vector3d::Constant(kNaN)),
-      position_scales(problem.positions.size(), 1.0),
       orientations(problem.orientations.size(), Matrix3d::Constant(kNaN)),
       distances(problem.distances.size(), kNaN),
       coordinates(problem.coordinates.size(), kNaN) {}

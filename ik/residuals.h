@@ -84,19 +84,24 @@ struct IkProblem {
 /// What one frame asks for; sizes as IkProblem's. NaN: not measured, the residual drops out.
 struct IkTargets {
   std::vector<Eigen::Vector3d> positions;     // p_WP^d [m]
-  std::vector<double> position_scales;        // of Σ_P in this frame, 0 or more; 1 unless said
   std::vector<Eigen::Matrix3d> orientations;  // R_WF^d
   std::vector<double> distances;              // l^d [m]
   std::vector<double> coordinates;            // [rad or m]
+  // What Σ_P of each position is multiplied by in this frame, 0 or more; empty: 1.
+  std::vector<double> position_scales = {};
 
   /// Sized for `problem`, everything missing.
   explicit IkTargets(const IkProblem& problem);
 };
 
+inline double position_scale(const IkTargets& targets, std::size_t i) {
+  return targets.position_scales.empty() ? 1.0 : targets.position_scales[i];
+}
+
 /// Σ_P of a position residual in this frame.
 inline Eigen::Matrix3d position_weight(const IkProblem& problem, const IkTargets& targets,
                                        std::size_t i) {
-  return targets.position_scales[i] * problem.positions[i].weight;
+  return position_scale(targets, i) * problem.positions[i].weight;
 }
 
 /// Whether a point of a wire is on its path at the workspace's q.

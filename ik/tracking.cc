@@ -66,7 +66,7 @@ void measure(const TrackingProblem& tracking, const IkTargets& targets,
     const PositionResidual& r = tracking.problem.positions[i];
     // A filled sample is no measurement to err from.
     const double error =
-        targets.position_scales[i] < 1.0
+        position_scale(targets, i) < 1.0
             ? kNaN
             : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
     errors[static_cast<Eigen::Index>(i)] = error;

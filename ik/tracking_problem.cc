@@ -232,9 +232,11 @@ void weigh_filled_samples(TrackingProblem& tracking, const MarkerTrajectories& m
 
 void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& markers, int frame,
                  IkTargets& targets) {
+  const bool scaled = tracking.marker_scales.size() > 0;
+  if (scaled) targets.position_scales.resize(tracking.markers.size(), 1.0);
   for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
     targets.positions[i] = markers.position(frame, tracking.markers[i].recorded);
-    if (tracking.marker_scales.size() == 0) continue;
+    if (!scaled) continue;
     targets.position_scales[i] = tracking.marker_scales(frame, static_cast<Eigen::Index>(i));
   }
   for (std::size_t i = 0; i < tracking.coordinates.size(); ++i) {

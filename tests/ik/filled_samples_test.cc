@@ -86,7 +86,7 @@ TEST_F(FilledSamples, ScaleIsAWeight) {
   IkTargets scaled(tracking_.problem), plain(tracking_.problem);
   set_targets(tracking_, recording_.markers, 0, scaled);
   set_targets(tracking_, recording_.markers, 0, plain);
-  scaled.position_scales[2] = 0.3;
+  scaled.position_scales = {1.0, 1.0, 0.3};
   IkProblem weighted = tracking_.problem;
   weighted.positions[2].weight *= 0.3;
   KinematicWorkspace ws(tree_);
