@@ -124,10 +124,12 @@ class Check {
   }
 
   void check_markers() {
-    append(findings_, find_unit_faults(markers(), recording_.metres_per_unit));
+    const std::vector<Finding> unit = find_unit_faults(markers(), recording_.metres_per_unit);
+    append(findings_, unit);
     append(findings_, find_missing_markers(markers()));
     append(findings_, find_duplicate_markers(markers(), recording_.labels));
-    append(findings_, find_stray_markers(markers()));
+    // Of a giant every marker is far from the others.
+    if (unit.empty()) append(findings_, find_stray_markers(markers()));
     append(findings_, find_static_markers(markers()));
     append(findings_, find_swap_faults(markers()));
     append(findings_, find_side_faults(markers(), axes_));

@@ -39,6 +39,8 @@ class SetupCheck {
                           "InverseKinematicsTool, InverseDynamicsTool, ExternalLoads or IKTaskSet",
                           root_, "Leave it out."});
     }
+    std::stable_sort(findings_.begin(), findings_.end(),
+                     [](const Finding& a, const Finding& b) { return a.severity < b.severity; });
     return std::move(findings_);
   }
 
@@ -92,14 +94,6 @@ class SetupCheck {
         "correct the path, or name the file on the command line");
   }
 
-  template <typename Setup>
-  void check_times(const Setup& setup) {
-    if (!setup.from || !setup.to || *setup.from <= *setup.to) return;
-    add(Severity::kError, location_of(setup, "time_range"),
-        fmt::format("time_range ends at {} s before it begins at {} s", *setup.to, *setup.from),
-        "correct it, or give --from and --to");
-  }
-
   void check_tasks(const IkTaskSet& tasks) {
     warn(tasks.warnings);
     const bool any = std::any_of(tasks.tasks.begin(), tasks.tasks.end(), [](const IkTask& task) {
@@ -115,7 +109,6 @@ class SetupCheck {
     require(setup, "model_file", setup.model_file);
     require(setup, "marker_file", setup.marker_file);
     require(setup, "coordinate_file", setup.coordinate_file);
-    check_times(setup);
     check_tasks(setup.task_set);
   }
 
@@ -124,7 +117,6 @@ class SetupCheck {
     require(setup, "model_file", setup.model_file);
     require(setup, "coordinates_file", setup.coordinates_file);
     require(setup, "external_loads_file", setup.external_loads_file);
-    check_times(setup);
     if (setup.external_loads_file.empty()) {
       add(Severity::kNote, {}, "no external loads: the pelvis carries the whole weight", "");
     }

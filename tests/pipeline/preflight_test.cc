@@ -361,7 +361,7 @@ TEST(Preflight, FindsDuplicateLabelsAndPlaces) {
   markers.p_WM.middleCols(12, 3) = markers.p_WM.middleCols(30, 3).array() + 2e-4;
   found = find_duplicate_markers(markers, markers.names);
   ASSERT_EQ(found.size(), 1u) << to_text(found);
-  EXPECT_EQ(found[0].where, markers.names[4] + ", " + markers.names[10]);
+  EXPECT_EQ(found[0].where, markers.names[4] + " = " + markers.names[10]);
 }
 
 TEST(Preflight, FindsForcesOutOfStep) {
