@@ -82,10 +82,10 @@ TEST_F(LabRun, SaysWhatItDecidesAndWritesEverythingInBetween) {
 
 // What was decided, whether found or said, gives the same bytes again.
 TEST_F(LabRun, DecisionsRepeatTheRun) {
-  const Outcome first = run({"--c3d",      "walk.c3d", "--static",  "static.c3d", "--model",
-                             "other.osim", "--mass",   "75",        "--from",     "0.6",
-                             "--to",       "0.7",      "--max-gap", "0.05",       "--no-fill-rigid",
-                             "--up",       "z",        "--assign",  "1:none",     "--out",
+  const Outcome first = run({"--c3d",      "walk.c3d", "--scale",   "mass",   "--model",
+                             "other.osim", "--mass",   "75",        "--from", "0.6",
+                             "--to",       "0.7",      "--max-gap", "0.05",   "--no-fill-rigid",
+                             "--up",       "z",        "--assign",  "1:none", "--out",
                              "once"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
   const Outcome again =
@@ -96,8 +96,8 @@ TEST_F(LabRun, DecisionsRepeatTheRun) {
     if (file == "summary.json") continue;  // times
     EXPECT_EQ(content_of(path() / "once" / file), content_of(path() / "again" / file)) << file;
   }
-  EXPECT_EQ(first.out.substr(0, first.out.find("model: ")),
-            again.out.substr(0, again.out.find("model: ")));
+  EXPECT_EQ(first.out.substr(0, first.out.find("inverse kinematics: ")),
+            again.out.substr(0, again.out.find("inverse kinematics: ")));
   const Json decisions = json("once/decisions.json");
   EXPECT_EQ(decision(decisions, "contact 1.1")["value"], "none");
   EXPECT_EQ(decision(decisions, "contact 1.1")["by"], "option");
@@ -242,7 +242,7 @@ TEST_F(LabRun, WrongUsageIsTold) {
   trial_->write("no.json", "{}");
   EXPECT_TRUE(error({"--decisions", "no.json"}).starts_with("no.json: is no file of decisions: "));
   EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--filled-weight", "2"}),
-            "--filled-weight: Value 2 not in range 0 to 1");
+            "--filled-weight: Value 2 not in range 0.000000 to 1.000000");
 }
 
 TEST_F(LabRun, StrangersNamesAreListedWithTheNearest) {
