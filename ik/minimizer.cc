@@ -28,13 +28,13 @@ constexpr int kMaxRetries = 10;
 // A parabola is trusted this far beyond the length that it was drawn through.
 constexpr double kLargestGrowth = 10.0;
 
-// Weights set the scale of the gradient, so the tolerance follows their sum.
+// Weights set the scale of the gradient, so the tolerance follows their sum. Wires are left out: most
+// are slack and pull at nothing, and a thousand of them would let markers end far from their places.
 double weight_scale(const IkProblem& problem) {
   double sum = 0.0;
   for (const PositionResidual& r : problem.positions) sum += r.weight.trace() / 3.0;
   for (const OrientationResidual& r : problem.orientations) sum += r.weight.trace() / 3.0;
   for (const DistanceResidual& r : problem.distances) sum += r.weight;
-  for (const WireResidual& r : problem.wires) sum += r.weight;
   for (const CoordinateResidual& r : problem.coordinates) sum += r.weight;
   for (const CoincidenceResidual& r : problem.coincidences) sum += r.weight;
   for (const AlignmentResidual& r : problem.alignments) sum += r.weight;

@@ -3,8 +3,8 @@
   python osim_written.py <written.osim> <output.json>
 
 Needs OpenSim's Python package; README.md says which version made the committed file. Two poses, all
-coordinates at random values; body poses as 12 numbers, the rotation matrix by rows and then the
-position [m]; path lengths [m].
+coordinates at random values but those that couplers set; body poses as 12 numbers, the rotation
+matrix by rows and then the position [m]; path lengths [m].
 """
 
 import json
@@ -26,8 +26,27 @@ def set_random(model, state, generator):
         values[c.getName()] = generator.uniform(low, high)
         c.setClamped(state, False)
         c.setValue(state, values[c.getName()], False)
+    values.update(set_coupled(model, state, values))
     model.realizePosition(state)
     return values
+
+
+def set_coupled(model, state, values):
+    """Coordinates that a coupler sets, without moving those that drive it."""
+    result = {}
+    constraints = model.getConstraintSet()
+    for i in range(constraints.getSize()):
+        coupler = opensim.CoordinateCouplerConstraint.safeDownCast(constraints.get(i))
+        if coupler is None:
+            continue
+        names = coupler.getIndependentCoordinateNames()
+        x = opensim.Vector(names.getSize(), 0.0)
+        for j in range(names.getSize()):
+            x.set(j, values[names.get(j)])
+        name = coupler.getDependentCoordinateName()
+        result[name] = coupler.get_scale_factor() * coupler.getFunction().calcValue(x)
+        model.getCoordinateSet().get(name).setValue(state, result[name], False)
+    return result
 
 
 def body_poses(model, state):
