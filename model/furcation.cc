@@ -58,15 +58,14 @@ TendonLength tendon_length(const Group& group, const FurcationOptions& options) 
   return length;
 }
 
-// All within the distance of each other and none against another, such as an extensor and a flexor
-// of a toe, in the model's order.
+// All within the distance of each other, in the model's order.
 std::vector<Group> find_groups(const std::vector<MuscleEnd>& ends, double distance) {
   std::vector<Group> groups;
   for (const MuscleEnd& end : ends) {
     const auto fits = [&](const Group& group) {
       return std::all_of(group.begin(), group.end(), [&](const MuscleEnd& other) {
         return other.bone == end.bone && other.path != end.path &&
-               (other.p_W - end.p_W).norm() <= distance && other.moment_W.dot(end.moment_W) >= 0.0;
+               (other.p_W - end.p_W).norm() <= distance;
       });
     };
     const auto group = std::find_if(groups.begin(), groups.end(), fits);

@@ -46,10 +46,9 @@ struct FurcatedModel {
 /// IV): they end on a massless virtual link of six degrees of freedom, and one tendon runs from it
 /// to the bone. All in the pose of the defaults:
 ///
-///  - Groups: insertions of two or more muscles on one bone, within `distance` of each other, whose
-///    pulls turn the joint that they cross first in directions less than a right angle apart, so
-///    that no extensor joins a flexor; then origins likewise. An end belongs to the first group
-///    that it fits in, in the model's order.
+///  - Groups: insertions of two or more muscles on one bone, all within `distance` of each other;
+///    then origins likewise. An end belongs to the first group that it fits in, in the model's
+///    order.
 ///  - The common tendon has the length T = min over the muscles of tendon_part ·
 ///  tendon_slack_length
 ///    and t + tendon_part · s, where t is the part of the path on the bone and s the piece of the

@@ -1,6 +1,5 @@
 #include "model/furcation_ends.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
@@ -29,16 +28,6 @@ Vector3d DefaultPose::in_world(const PathPoint& point) const {
     }
   }
   return X_WB(point.body) * p_BP;
-}
-
-// Centre of the joint next to the bone on the way through the tree to the other body, in the world.
-Vector3d DefaultPose::joint_between(int bone, int next_body) const {
-  int child = next_body;
-  while (child > 0 && model_.joints[static_cast<std::size_t>(child) - 1].parent != bone) {
-    child = model_.joints[static_cast<std::size_t>(child) - 1].parent;
-  }
-  if (child <= 0) child = bone;  // the way leads inwards
-  return X_WB(child) * model_.joints[static_cast<std::size_t>(child) - 1].X_BM.p;
 }
 
 bool DefaultPose::is_on_path(const PathPoint& point) const {
@@ -74,7 +63,6 @@ std::optional<MuscleEnd> DefaultPose::end(int path, bool insertion) const {
     if (!is_on_path(points[i])) continue;
     end.next_body = points[i].body;
     end.direction_W = off.normalized();
-    end.moment_W = (end.p_WLeave - joint_between(end.bone, end.next_body)).cross(end.direction_W);
     return off.norm() > 0.0 ? std::optional(end) : std::nullopt;
   }
   return {};

@@ -19,7 +19,6 @@ struct MuscleEnd {
   Eigen::Vector3d p_W;             // the end itself [m]
   Eigen::Vector3d p_WLeave;        // where the path leaves the bone [m]
   Eigen::Vector3d direction_W;     // from there, a unit vector
-  Eigen::Vector3d moment_W;        // of a unit pull about the joint that it crosses first [m]
   double length_on_bone = 0.0;     // of the path [m]
   double length_off_bone = 0.0;  // to the next point, one that is on the path at times counting [m]
   double force = 0.0;            // maximum isometric [N]
@@ -46,7 +45,6 @@ class DefaultPose {
 
  private:
   Eigen::Vector3d in_world(const PathPoint& point) const;
-  Eigen::Vector3d joint_between(int bone, int next_body) const;
   bool is_on_path(const PathPoint& point) const;
   double value(int coordinate) const;
 

@@ -44,7 +44,7 @@ def set_coupled(model, state, values):
         for j in range(names.getSize()):
             x.set(j, values[names.get(j)])
         name = coupler.getDependentCoordinateName()
-        result[name] = coupler.get_scale_factor() * coupler.getFunction().calcValue(x)
+        result[name] = coupler.getFunction().calcValue(x)  # Sinew writes no other scale than 1
         model.getCoordinateSet().get(name).setValue(state, result[name], False)
     return result
 
@@ -64,7 +64,7 @@ def path_lengths(model, state):
     result = {}
     forces = model.getForceSet()
     for i in range(forces.getSize()):
-        for kind in (opensim.PathActuator, opensim.PathSpring):
+        for kind in (opensim.PathActuator, opensim.PathSpring, opensim.Ligament):
             element = kind.safeDownCast(forces.get(i))
             if element is not None:
                 path = opensim.GeometryPath.safeDownCast(element.updPath())

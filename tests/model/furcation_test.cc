@@ -224,17 +224,6 @@ Names groups_of(const FurcatedModel& after) {
 
 // The gastrocnemius and soleus are the Achilles tendon's, rectus and vastus the patella's, whose
 // place is a moving point.
-// The long extensor and the long flexor of the toes end 6 mm apart on one bone.
-TEST(Furcation, LeavesAntagonistsApart) {
-  SINEW_SKIP_WITHOUT_SHARED_DATA();
-  const FurcatedModel result = furcate(
-      read_osim(kSharedData / "nimblephysics/Arnold2013Synthetic/subject01/subject01.osim"));
-  EXPECT_EQ(result.furcations.size(), 10u);
-  for (const Furcation& furcation : result.furcations) {
-    EXPECT_NE(furcation.bone.substr(0, 4), "toes") << furcation.virtual_link;
-  }
-}
-
 TEST(Furcation, FindsTheTendonsOfGait2354) {
   SINEW_SKIP_WITHOUT_SHARED_DATA();
   const MusculoskeletalModel before =
