@@ -28,8 +28,9 @@ constexpr int kMaxRetries = 10;
 // A parabola is trusted this far beyond the length that it was drawn through.
 constexpr double kLargestGrowth = 10.0;
 
-// Weights set the scale of the gradient, so the tolerance follows their sum. Wires are left out: most
-// are slack and pull at nothing, and a thousand of them would let markers end far from their places.
+// Weights set the scale of the gradient, so the tolerance follows their sum. Wires are left out:
+// most are slack and pull at nothing, and a thousand of them would let markers end far from their
+// places.
 double weight_scale(const IkProblem& problem) {
   double sum = 0.0;
   for (const PositionResidual& r : problem.positions) sum += r.weight.trace() / 3.0;

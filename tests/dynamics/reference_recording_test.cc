@@ -322,7 +322,8 @@ TEST(ReferenceRecording, InverseKinematicsFindsTheTruth) {
   const MarkerFile file{"walk", r.markers, {}};
   const TrackingProblem tracking = bind_recording(r.model, tree, file, nullptr, nullptr);
   EXPECT_TRUE(tracking.warnings.empty());
-  // As `sinew run` solves it: what markers hold weakly needs a small gradient to be where it belongs.
+  // As `sinew run` solves it: what markers hold weakly needs a small gradient to be where it
+  // belongs.
   TrackingOptions options;
   options.minimizer.gradient_tolerance = 1e-11;
   const TrackingResult solved = track(r.model, tree, tracking, r.markers, options);
