@@ -96,8 +96,7 @@ struct RunCommand {
     ik.markers = (folder / "walk.trc").string();
     ik.tasks = (folder / "ik_tasks.xml").string();
     dynamics.loads = (folder / "grf.xml").string();
-    // The wires' weights are sixty times those of the markers: the usual part of their sum would
-    // leave the weakly held lumbar spine up to 0.1 degrees beside its minimum.
+    // The usual tolerance would leave the weakly held lumbar spine beside its minimum.
     ik.tolerance = std::min(ik.tolerance, 1e-11);
     // Markers without noise need no filter, and one would take part of the motion away.
     if (!dynamics.cutoff) dynamics.cutoff = -1.0;
