@@ -58,9 +58,35 @@ std::vector<char> seen_from_the_world(const KinematicTree& tree, const IkProblem
 
 }  // namespace
 
-CostCurvature::CostCurvature(const KinematicTree& tree, const IkProblem& problem)
-    : K_(tree.links.size(), Matrix6d::Zero()), rows_(tree, problem), diagonal_v_(tree.v_count()) {
+CostCurvature::CostCurvature(const KinematicTree& tree, const IkProblem& problem, Wires wires)
+    : wires_(wires),
+      K_(tree.links.size(), Matrix6d::Zero()),
+      rows_(tree, problem),
+      diagonal_v_(tree.v_count()) {
+  find_loose_slots(tree, problem);
   list_entries(tree, problem);
+}
+
+void CostCurvature::find_loose_slots(const KinematicTree& tree, const IkProblem& problem) {
+  first_loose_.assign(1, 0);
+  std::vector<char> loose(static_cast<std::size_t>(tree.unknown_count()), 1);
+  const std::vector<char> seen = seen_from_the_world(tree, problem);
+  for (int v = 0; v < tree.v_count(); ++v) {
+    const int x = rows_.driver(v);
+    const auto link = static_cast<std::size_t>(tree.link_of_v[static_cast<std::size_t>(v)]);
+    if (x >= 0 && seen[link]) loose[static_cast<std::size_t>(x)] = 0;
+  }
+  for (int i = 0; i < rows_.support_count(); ++i) {
+    if (wires_ == Wires::kApart && rows_.is_wire(i)) {
+      const std::span<const int> unknowns = rows_.support(i);
+      for (std::size_t k = 0; k < unknowns.size(); ++k) {
+        if (loose[static_cast<std::size_t>(unknowns[k])]) {
+          loose_slots_.push_back(static_cast<int>(k));
+        }
+      }
+    }
+    first_loose_.push_back(loose_slots_.size());
+  }
 }
 
 void CostCurvature::list_entries(const KinematicTree& tree, const IkProblem& problem) {
@@ -96,6 +122,16 @@ void CostCurvature::list_entries(const KinematicTree& tree, const IkProblem& pro
   for (int i = 0; i < rows_.support_count(); ++i) {
     row_entry_.push_back(entries_.size());
     const std::span<const int> unknowns = rows_.support(i);
+    if (wires_ == Wires::kApart && rows_.is_wire(i)) {
+      const std::span<const int> slots = loose_slots(i);
+      for (std::size_t j = 0; j < slots.size(); ++j) {
+        for (std::size_t k = 0; k <= j; ++k) {
+          add_entry(unknowns[static_cast<std::size_t>(slots[j])],
+                    unknowns[static_cast<std::size_t>(slots[k])]);
+        }
+      }
+      continue;
+    }
     for (std::size_t j = 0; j < unknowns.size(); ++j) {
       for (std::size_t k = 0; k <= j; ++k) add_entry(unknowns[j], unknowns[k]);
     }
@@ -187,11 +223,17 @@ void CostCurvature::add(const IkProblem& problem, const IkTargets& targets,
       for (std::size_t i = 0; i <= j; ++i) place(entry++) += scaled * row[i];
     }
   };
-  rows_.for_each(problem, targets, ws, add_row);
+  if (wires_ == Wires::kApart) {
+    rows_.for_each_but_wires(problem, targets, ws, add_row);
+  } else {
+    rows_.for_each(problem, targets, ws, add_row);
+  }
   if (!newton_) return;
-  rows_.for_each_second(problem, targets, ws, add_row, [&](int support, int entry, double h) {
-    place(row_entry_[static_cast<std::size_t>(support)] + static_cast<std::size_t>(entry)) += h;
-  });
+  rows_.for_each_second(
+      problem, targets, ws, wires_ == Wires::kIncluded, add_row,
+      [&](int support, int entry, double h) {
+        place(row_entry_[static_cast<std::size_t>(support)] + static_cast<std::size_t>(entry)) += h;
+      });
 }
 
 void CostCurvature::add_reversed(const IkProblem& problem, const IkTargets& targets,
@@ -201,19 +243,23 @@ void CostCurvature::add_reversed(const IkProblem& problem, const IkTargets& targ
       [&](std::size_t k) -> double& { return values[static_cast<std::size_t>(offsets[k])]; });
 }
 
-InternalRows::WireRow CostCurvature::add_wire(const IkProblem& problem, std::size_t wire,
-                                              const KinematicWorkspace& ws, double factor,
-                                              std::span<const int> offsets,
-                                              std::span<double> values) {
-  const InternalRows::WireRow at = rows_.wire_row(problem, wire, ws);
-  const double weight = factor * problem.wires[wire].weight;
-  std::size_t k = row_entry_[static_cast<std::size_t>(at.support)];
-  for (std::size_t j = 0; j < at.row.size(); ++j) {
-    for (std::size_t i = 0; i <= j; ++i, ++k) {
-      values[static_cast<std::size_t>(offsets[k])] += weight * at.row[j] * at.row[i];
-    }
-  }
-  return at;
+void CostCurvature::add_tension(const IkProblem& problem, std::size_t wire,
+                                const KinematicWorkspace& ws, double force,
+                                std::span<const int> offsets, std::span<double> values) {
+  const int support = rows_.support_of_wire(wire);
+  const std::span<const int> slots = loose_slots(support);
+  if (slots.empty()) return;
+  rows_.for_each_across(problem, wire, ws, force,
+                        [&](int, std::span<const double> row, double weight) {
+                          std::size_t k = row_entry_[static_cast<std::size_t>(support)];
+                          for (std::size_t j = 0; j < slots.size(); ++j) {
+                            const double scaled = weight * row[static_cast<std::size_t>(slots[j])];
+                            for (std::size_t i = 0; i <= j; ++i, ++k) {
+                              values[static_cast<std::size_t>(offsets[k])] +=
+                                  scaled * row[static_cast<std::size_t>(slots[i])];
+                            }
+                          }
+                        });
 }
 
 void CostCurvature::matrix(const IkProblem& problem, const IkTargets& targets,
@@ -243,7 +289,14 @@ std::vector<std::vector<int>> CostCurvature::reversed_cliques(const KinematicTre
   }
   for (int i = 0; i < rows_.support_count(); ++i) {
     std::vector<int> clique;
-    for (const int x : rows_.support(i)) clique.push_back(last - x);
+    const std::span<const int> unknowns = rows_.support(i);
+    if (wires_ == Wires::kApart && rows_.is_wire(i)) {
+      for (const int slot : loose_slots(i)) {
+        clique.push_back(last - unknowns[static_cast<std::size_t>(slot)]);
+      }
+    } else {
+      for (const int x : unknowns) clique.push_back(last - x);
+    }
     cliques.push_back(std::move(clique));
   }
   return cliques;

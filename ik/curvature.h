@@ -32,7 +32,14 @@ void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
 /// coordinates drive several or curved steps.
 class CostCurvature {
  public:
-  CostCurvature(const KinematicTree& tree, const IkProblem& problem);
+  enum class Wires {
+    kIncluded,
+    // The rows of wires are left to the caller. Of their tension's stiffness there is what holds
+    // links that nothing but wires holds, see add_tension().
+    kApart,
+  };
+  CostCurvature(const KinematicTree& tree, const IkProblem& problem,
+                Wires wires = Wires::kIncluded);
 
   /// Collects the stiffness of all residuals and accumulates it inward: Gauss-Newton's, or with
   /// `newton` all of it. Needs update_kinematics(). O(links + residuals).
@@ -62,12 +69,13 @@ class CostCurvature {
                     const KinematicWorkspace& workspace, std::span<const int> offsets,
                     std::span<double> values);
 
-  /// Adds factor · wjjᵀ of one wire likewise, and returns its row.
-  InternalRows::WireRow add_wire(const IkProblem& problem, std::size_t wire,
-                                 const KinematicWorkspace& workspace, double factor,
-                                 std::span<const int> offsets, std::span<double> values);
+  /// Adds likewise, if wires are apart, the stiffness across a wire that `force` stretches, between
+  /// the unknowns of links that no other residual sees: without it, such a link would go far
+  /// astray across a wire that markers pull taut. Never makes the matrix indefinite.
+  void add_tension(const IkProblem& problem, std::size_t wire, const KinematicWorkspace& workspace,
+                   double force, std::span<const int> offsets, std::span<double> values);
 
-  const InternalRows& rows() const { return rows_; }
+  InternalRows& rows() { return rows_; }
 
   /// Sets of unknowns, in reverse order as above, that the curvature can couple with each other.
   std::vector<std::vector<int>> reversed_cliques(const KinematicTree& tree,
@@ -82,17 +90,26 @@ class CostCurvature {
   };
 
   void list_entries(const KinematicTree& tree, const IkProblem& problem);
+  void find_loose_slots(const KinematicTree& tree, const IkProblem& problem);
+  std::span<const int> loose_slots(int support) const {
+    const auto s = static_cast<std::size_t>(support);
+    return {loose_slots_.data() + first_loose_[s], first_loose_[s + 1] - first_loose_[s]};
+  }
   double within_joint(int v, int u, const Matrix6d& K, double forward) const;
   template <typename Place>
   void add(const IkProblem& problem, const IkTargets& targets, const KinematicWorkspace& workspace,
            const Place& place);
 
+  Wires wires_;
   std::vector<Matrix6d> K_;  // links: composite stiffness at rows_.origin(), world axes
   InternalRows rows_;
   std::vector<Entry> entries_;
   std::vector<Column> columns_;
   std::vector<int> partners_;           // v
   std::vector<std::size_t> row_entry_;  // supports: where its entries begin
+  // Supports of wires that are apart: which of their unknowns no other residual sees.
+  std::vector<int> loose_slots_;
+  std::vector<std::size_t> first_loose_;  // supports, in loose_slots_, and its end
   Eigen::VectorXd diagonal_v_;
   bool newton_ = false;
 };

@@ -56,6 +56,15 @@ class Direction {
   /// True for methods that would rather be asked for another direction, after learn(0, …), than be
   /// followed less far. compute() then comes again with the same iterate.
   virtual bool wants_retry() const { return false; }
+
+  /// Writes to d another direction for the same iterate, once the first one, tried at full length,
+  /// has led to the poses of `trial`: one that knows how residuals have bent away from their first
+  /// order on the way (a second-order correction; Nocedal & Wright 2006, sec. 15.6). Returns false
+  /// if the method has none. What expected_decrease() says stays.
+  virtual bool correct(const Iterate& /*at*/, const KinematicWorkspace& /*trial*/,
+                       Eigen::Ref<Eigen::VectorXd> /*d*/) {
+    return false;
+  }
 };
 
 }  // namespace sinew

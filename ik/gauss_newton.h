@@ -6,31 +6,35 @@
 #include "ik/direction.h"
 #include "ik/supernodal_cholesky.h"
 #include "ik/wire_prediction.h"
+#include "ik/wire_tensions.h"
 
 namespace sinew {
 
-/// Damped Gauss-Newton: (JᵀΣJ + μE) d = −g with JᵀΣJ from composite stiffnesses and the rows of
-/// wires and loops, and a sparse Cholesky factorization that eliminates the joints from the leaves
-/// to the root, so that the joints of one limb do not fill those of another. μ follows the ratio of
-/// actual to expected decrease (Nielsen's rule, Madsen, Nielsen & Tingleff 2004, sec. 3.2). On the
-/// whole body it is several times as fast as conjugate gradients preconditioned by the articulated
-/// sweep, ArticulatedCg; tests/bench/results.md has both.
+/// Damped Gauss-Newton: the minimum of the model
+///   m(d) = g_sᵀd + ½dᵀ(H_s + μE)d + ½ Σ w max(0, ε + jᵀd)² over lower ≤ q + d ≤ upper,
+/// H_s and g_s the curvature JᵀΣJ and the gradient without wires, ε and j a wire's excess length
+/// and its row. H_s comes from composite stiffnesses and the rows of loops; a sparse Cholesky
+/// factorization eliminates its joints from the leaves to the root, so that the joints of one limb
+/// do not fill those of another. Wires enter by their tensions, see WireTensions, with those that
+/// the step pulls taut and without those that it lets go; what crosses a bound stops there. Without
+/// this foresight, a step runs into wires that were slack and is cut down to nothing.
 ///
-/// `kNewton` takes all second derivatives, see CostCurvature; `kAutomatic` as well where they are
-/// positive definite, and Gauss-Newton's elsewhere.
+/// μ follows the ratio of actual to expected decrease (Nielsen's rule, Madsen, Nielsen & Tingleff
+/// 2004, sec. 3.2), more boldly: wires are nearly rigid beside what holds virtual links to their
+/// places, and while a step along a taut wire is short for μ's sake it gains next to nothing. The
+/// correction after a step takes the tensions anew with the wires' lengths there: a wire that
+/// becomes longer in the second order only would otherwise spoil all but short steps.
 ///
-/// What wires and bounds do along the way is part of the model: it minimizes
-///   g_sᵀd + ½dᵀH_s d + ½ Σ w max(0, ε + jᵀd)² over lower ≤ q + d ≤ upper,
-/// H_s and g_s without wires, by two steps of Newton's method on this piecewise quadratic: first
-/// with the wires that are taut now, then with those that the first step makes so; what crosses a
-/// bound stops there. Without this, a step runs into wires that were slack and is cut down to
-/// nothing. Allocates at construction only.
+/// `kNewton` takes all second derivatives but the wires', see CostCurvature; `kAutomatic` as well
+/// where they are positive definite, and Gauss-Newton's elsewhere. Of a wire's tension all models
+/// take what holds links that only wires hold, CostCurvature::add_tension(). Allocates at
+/// construction only.
 class GaussNewton : public Direction {
  public:
   struct Options {
-    // μ at the start of a frame, times the mean diagonal of JᵀΣJ: large enough to factorize when
+    // μ at the start of a frame, times the mean diagonal of H_s: large enough to factorize when
     // markers leave a coordinate undetermined, small enough to cost no iterations. Problems with
-    // wires never have less than 1e-4.
+    // wires start with 1e-4 at least.
     double damping = 1e-9;
   };
 
@@ -42,31 +46,42 @@ class GaussNewton : public Direction {
   bool scales_its_step() const override { return true; }
   double expected_decrease() const override { return expected_; }
   void learn(double accepted_length, double actual_decrease) override;
+  bool wants_retry() const override { return true; }
+  bool correct(const Iterate& at, const KinematicWorkspace& trial,
+               Eigen::Ref<Eigen::VectorXd> d) override;
 
   /// Of the last direction: what the sparsity of the problem leaves to do.
   const SupernodalCholesky& factor() const { return factor_; }
 
  private:
-  double least_damping() const;
   void assemble(const Iterate& at, bool newton);
   bool factorize(bool may_fail);
+  double take_row(const Iterate& at, std::size_t wire);
+  void add_wire(const Iterate& at, std::size_t wire);
+  bool minimize_with_wires(const Iterate& at);
+  bool add_taut_wires(const Iterate& at);
+  bool stop_at_bounds(const Iterate& at);
   bool minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eigen::VectorXd> d);
-  bool change_wires(const Iterate& at, const Eigen::VectorXd& d);
-  bool stop_at_bounds(const Iterate& at, const Eigen::VectorXd& d);
 
   Options options_;
   NewtonModel model_;
   CostCurvature curvature_;
-  SupernodalCholesky factor_;  // unknowns in reverse order
+  SupernodalCholesky factor_;  // of H_s, unknowns in reverse order
   std::vector<int> offsets_;   // of the curvature's entries in the factor's values
   std::vector<char> held_;     // unknowns in reverse order
   WirePrediction prediction_;
-  std::vector<char> taut_;                 // wires that the model has now
-  Eigen::VectorXd rhs_, stop_, solution_;  // unknowns in reverse order; stop_: steps of the held
-  Eigen::VectorXd d_;                      // unknowns
-  double slack_cost_ = 0.0;                // what the model has beside its quadratic part
+  WireTensions tensions_;
+  std::vector<double> force_;  // wires: tensions of the last model
+  std::vector<double> bend_;   // wires: length beyond the first order where the step led
+  bool first_ = true;          // of a frame
+  // Unknowns in reverse order. rhs_: −g_s; stop_: steps of the held.
+  Eigen::VectorXd gradient_, rhs_, stop_, solution_;
+  Eigen::VectorXd d_;         // unknowns
+  std::vector<int> indices_;  // of one wire's row
+  std::vector<double> row_;
+  double stored_ = 0.0;  // ½Σwε² of the wires that are taut now
   double mu_ = 0.0, scale_ = 1.0;
-  double relative_mu_ = 0.0, growth_ = 2.0;
+  double relative_mu_ = 0.0, growth_ = 1.0;
   double expected_ = kNaN;
 };
 

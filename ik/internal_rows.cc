@@ -65,6 +65,8 @@ InternalRows::InternalRows(const KinematicTree& tree, const IkProblem& problem)
     const int links[] = {r.link_a, r.link_b};
     add_support(tree, links, false);
   }
+  first_wire_ = static_cast<int>(supports_.size());
+  wire_count_ = static_cast<int>(problem.wires.size());
   std::vector<int> links;
   for (const WireResidual& r : problem.wires) {
     links.clear();
@@ -164,7 +166,7 @@ void InternalRows::update(const KinematicTree& tree, const KinematicWorkspace& w
 
 InternalRows::WireRow InternalRows::wire_row(const IkProblem& problem, std::size_t wire,
                                              const KinematicWorkspace& ws) {
-  const std::size_t s = problem.distances.size() + wire;
+  const auto s = static_cast<std::size_t>(support_of_wire(wire));
   begin(supports_[s]);
   for_each_wire_point(problem, problem.wires[wire], ws,
                       [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d& u) {

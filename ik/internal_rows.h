@@ -31,6 +31,11 @@ class InternalRows {
   void for_each(const IkProblem& problem, const IkTargets& targets,
                 const KinematicWorkspace& workspace, const Use& use);
 
+  /// The same without wires.
+  template <typename Use>
+  void for_each_but_wires(const IkProblem& problem, const IkTargets& targets,
+                          const KinematicWorkspace& workspace, const Use& use);
+
   /// Of one wire, slack or not: its support and its row.
   struct WireRow {
     int support;
@@ -49,8 +54,19 @@ class InternalRows {
   /// Within a joint the sum is exact where order() tells its columns apart or they are a ball's.
   template <typename Use, typename UsePair>
   void for_each_second(const IkProblem& problem, const IkTargets& targets,
-                       const KinematicWorkspace& workspace, const Use& use,
+                       const KinematicWorkspace& workspace, bool wires, const Use& use,
                        const UsePair& use_pair);
+
+  /// Gives to `use` as above what holds one wire's stretches from turning while `force` is in it.
+  template <typename Use>
+  void for_each_across(const IkProblem& problem, std::size_t wire,
+                       const KinematicWorkspace& workspace, double force, const Use& use);
+
+  /// The number of a wire's support, and whether a support is a wire's.
+  int support_of_wire(std::size_t wire) const { return first_wire_ + static_cast<int>(wire); }
+  bool is_wire(int support) const {
+    return support >= first_wire_ && support < first_wire_ + wire_count_;
+  }
 
   /// Which of a joint's columns carries which: those of higher order are carried by the others.
   /// Columns of the same order share one turn, or share steps; their second derivatives are taken
@@ -105,7 +121,14 @@ class InternalRows {
     use(static_cast<int>(support), row(supports_[support]), weight);
   }
 
-  std::vector<Support> supports_;  // distances, wires, coincidences, alignments in turn
+  template <typename Use>
+  void for_each_distance(const IkProblem& problem, const IkTargets& targets,
+                         const KinematicWorkspace& workspace, const Use& use);
+  template <typename Use>
+  void for_each_loop(const IkProblem& problem, const KinematicWorkspace& workspace, const Use& use);
+
+  int first_wire_ = 0, wire_count_ = 0;  // in supports_
+  std::vector<Support> supports_;        // distances, wires, coincidences, alignments in turn
   std::vector<PathLink> path_links_;
   std::vector<Entry> entries_;
   std::vector<int> point_slots_;  // where a point's link stands in its support, −1: it is not moved
@@ -124,33 +147,47 @@ class InternalRows {
 template <typename Use>
 void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
                             const KinematicWorkspace& ws, const Use& use) {
-  const auto place = [&](int link, const Eigen::Vector3d& p) -> Eigen::Vector3d {
-    return ws.X_WB[static_cast<std::size_t>(link)] * p;
-  };
-  std::size_t s = 0;
-  for (std::size_t i = 0; i < problem.distances.size(); ++i, ++s) {
+  for_each_distance(problem, targets, ws, use);
+  for (std::size_t i = 0; i < problem.wires.size(); ++i) {
+    const WireResidual& r = problem.wires[i];
+    if (!(wire_length(problem, r, ws) > r.natural_length)) continue;
+    const WireRow wire = wire_row(problem, i, ws);
+    use(wire.support, wire.row, r.weight);
+  }
+  for_each_loop(problem, ws, use);
+}
+
+template <typename Use>
+void InternalRows::for_each_but_wires(const IkProblem& problem, const IkTargets& targets,
+                                      const KinematicWorkspace& ws, const Use& use) {
+  for_each_distance(problem, targets, ws, use);
+  for_each_loop(problem, ws, use);
+}
+
+template <typename Use>
+void InternalRows::for_each_distance(const IkProblem& problem, const IkTargets& targets,
+                                     const KinematicWorkspace& ws, const Use& use) {
+  for (std::size_t i = 0; i < problem.distances.size(); ++i) {
     const DistanceResidual& r = problem.distances[i];
-    const Eigen::Vector3d pa = place(r.link_a, r.p_AP), pb = place(r.link_b, r.p_BQ);
+    const Eigen::Vector3d pa = ws.X_WB[static_cast<std::size_t>(r.link_a)] * r.p_AP;
+    const Eigen::Vector3d pb = ws.X_WB[static_cast<std::size_t>(r.link_b)] * r.p_BQ;
     const double length = (pa - pb).norm();
     if (std::isnan(targets.distances[i]) || length == 0.0) continue;
     const Eigen::Vector3d u = (pa - pb) / length;
-    begin(supports_[s]);
-    put_force(supports_[s], 0, pa, u);
-    put_force(supports_[s], 1, pb, -u);
-    use_row(s, r.weight, use);
+    begin(supports_[i]);
+    put_force(supports_[i], 0, pa, u);
+    put_force(supports_[i], 1, pb, -u);
+    use_row(i, r.weight, use);
   }
-  for (std::size_t i = 0; i < problem.wires.size(); ++i, ++s) {
-    const WireResidual& r = problem.wires[i];
-    if (!(wire_length(problem, r, ws) > r.natural_length)) continue;
-    begin(supports_[s]);
-    for_each_wire_point(problem, r, ws,
-                        [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d& u) {
-                          put_force(supports_[s], point, p, u);
-                        });
-    use_row(s, r.weight, use);
-  }
+}
+
+template <typename Use>
+void InternalRows::for_each_loop(const IkProblem& problem, const KinematicWorkspace& ws,
+                                 const Use& use) {
+  std::size_t s = static_cast<std::size_t>(first_wire_) + problem.wires.size();
   for (const CoincidenceResidual& r : problem.coincidences) {
-    const Eigen::Vector3d pa = place(r.link_a, r.p_AP), pb = place(r.link_b, r.p_BQ);
+    const Eigen::Vector3d pa = ws.X_WB[static_cast<std::size_t>(r.link_a)] * r.p_AP;
+    const Eigen::Vector3d pb = ws.X_WB[static_cast<std::size_t>(r.link_b)] * r.p_BQ;
     for (int axis = 0; axis < 3; ++axis) {
       begin(supports_[s]);
       put_force(supports_[s], 0, pa, Eigen::Vector3d::Unit(axis));
@@ -168,6 +205,20 @@ void InternalRows::for_each(const IkProblem& problem, const IkTargets& targets,
     }
     ++s;
   }
+}
+
+template <typename Use>
+void InternalRows::for_each_across(const IkProblem& problem, std::size_t wire,
+                                   const KinematicWorkspace& ws, double force, const Use& use) {
+  const std::size_t s = static_cast<std::size_t>(first_wire_) + wire;
+  int before = -1;
+  Eigen::Vector3d p_before = Eigen::Vector3d::Zero();
+  for_each_wire_point(problem, problem.wires[wire], ws,
+                      [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d&) {
+                        if (before >= 0) across(s, before, p_before, point, p, force, use);
+                        before = point;
+                        p_before = p;
+                      });
 }
 
 template <typename Use>
@@ -229,7 +280,7 @@ void InternalRows::turn_loads(std::size_t s, const UsePair& use_pair) {
 
 template <typename Use, typename UsePair>
 void InternalRows::for_each_second(const IkProblem& problem, const IkTargets& targets,
-                                   const KinematicWorkspace& ws, const Use& use,
+                                   const KinematicWorkspace& ws, bool wires, const Use& use,
                                    const UsePair& use_pair) {
   const auto place = [&](int link, const Eigen::Vector3d& p) -> Eigen::Vector3d {
     return ws.X_WB[static_cast<std::size_t>(link)] * p;
@@ -247,6 +298,7 @@ void InternalRows::for_each_second(const IkProblem& problem, const IkTargets& ta
     put_load(supports_[s], 1, pb, force / length * (pb - pa));
     turn_loads(s, use_pair);
   }
+  if (!wires) return;
   for (std::size_t i = 0; i < problem.wires.size(); ++i, ++s) {
     const WireResidual& r = problem.wires[i];
     const double force = r.weight * (wire_length(problem, r, ws) - r.natural_length);

@@ -25,6 +25,11 @@ constexpr int kMaxFlat = 100;
 // A method that asks again multiplies its damping by 2, 4, 8, …: after ten times by 2^55.
 constexpr int kMaxRetries = 10;
 
+// A step that lowers the cost by less than this part of what its method expects is worth a
+// correction, which costs an evaluation. On the whole body walking with markers 1 mm and skin 10 mm
+// off, 0.9 saves one iteration in six.
+constexpr double kWorthCorrecting = 0.9;
+
 // A parabola is trusted this far beyond the length that it was drawn through.
 constexpr double kLargestGrowth = 10.0;
 
@@ -56,10 +61,10 @@ Minimizer::Minimizer(const KinematicTree& tree, const IkProblem& problem,
       options_(options),
       workspace_(tree),
       trial_(tree),
+      other_(tree),
       d_(tree.unknown_count()),
-      step_(tree.unknown_count()),
+      corrected_d_(tree.unknown_count()),
       g_raw_(tree.unknown_count()),
-      g_trial_(tree.unknown_count()),
       jacobian_(3, tree.unknown_count()),
       iterate_{.tree = tree,
                .problem = problem,
@@ -111,37 +116,60 @@ double Minimizer::length_to_largest_turn() const {
 }
 
 // Evaluates f(q ⊞ length · d), its gradient as well if asked to, and the slope of the clipped step.
-void Minimizer::evaluate_trial(const Iterate& at, double length, bool with_gradient) {
-  length_ = length;
-  step_ = length * d_;
-  advance(tree_, workspace_.q, {step_.data(), static_cast<std::size_t>(step_.size())}, trial_.q);
-  slope_ = 0.0;
-  for (Eigen::Index x = 0; x < d_.size(); ++x) {
+void Minimizer::evaluate_trial(const Iterate& at, const Eigen::VectorXd& d, double length,
+                               bool with_gradient) {
+  trial_.length = length;
+  Eigen::VectorXd& step = trial_.step;
+  step = length * d;
+  advance(tree_, workspace_.q, {step.data(), static_cast<std::size_t>(step.size())},
+          trial_.workspace.q);
+  trial_.slope = 0.0;
+  for (Eigen::Index x = 0; x < step.size(); ++x) {
     const int entry =
         tree_.q_of_v[static_cast<std::size_t>(tree_.unknown_v[static_cast<std::size_t>(x)])];
     if (entry >= 0) {
       const auto q = static_cast<std::size_t>(entry);
-      step_[x] = trial_.q[q] - workspace_.q[q];
+      step[x] = trial_.workspace.q[q] - workspace_.q[q];
     }
-    slope_ += at.g[x] * step_[x];
+    trial_.slope += at.g[x] * step[x];
   }
   if (with_gradient) {
-    f_trial_ = gradient(*at.targets, trial_, g_trial_);
+    trial_.f = gradient(*at.targets, trial_.workspace, trial_.g);
   } else {
     ++summary_.evaluations;
-    update_poses(tree_, trial_);
-    f_trial_ = cost(tree_, problem_, *at.targets, trial_);
+    update_poses(tree_, trial_.workspace);
+    trial_.f = cost(tree_, problem_, *at.targets, trial_.workspace);
   }
 }
 
 // Whether Armijo's condition holds at the length. The gradient there is known afterwards if it
 // does; with_gradient computes both at once, which is cheaper where acceptance is likely.
-bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient) {
-  evaluate_trial(at, length, with_gradient);
+bool Minimizer::try_length(const Iterate& at, const Eigen::VectorXd& d, double length,
+                           bool with_gradient) {
+  evaluate_trial(at, d, length, with_gradient);
   // Clipping may turn a long step uphill. False where the cost is not a number.
-  if (slope_ > 0.0 || !(f_trial_ <= at.f + kArmijo * slope_ + kCostRounding * at.f)) return false;
-  if (!with_gradient) gradient(*at.targets, trial_, g_trial_);
-  return std::isfinite(f_trial_) && g_trial_.allFinite();
+  if (trial_.slope > 0.0 || !(trial_.f <= at.f + kArmijo * trial_.slope + kCostRounding * at.f)) {
+    return false;
+  }
+  if (!with_gradient) gradient(*at.targets, trial_.workspace, trial_.g);
+  return std::isfinite(trial_.f) && trial_.g.allFinite();
+}
+
+// The whole direction, or its correction if that ends lower.
+bool Minimizer::try_full_length(const Iterate& at) {
+  const bool accepted = try_length(at, d_, 1.0, true);
+  const double expected = direction_->expected_decrease();
+  // False where the method expects nothing or the cost is not a number.
+  const bool short_of_it = at.f - trial_.f < kWorthCorrecting * expected;
+  if (!short_of_it || !(expected > kCostRounding * at.f)) return accepted;
+  if (!direction_->correct(at, trial_.workspace, corrected_d_)) return accepted;
+  std::swap(trial_, other_);
+  if (try_length(at, corrected_d_, 1.0, true) && !(accepted && other_.f <= trial_.f)) {
+    d_.swap(corrected_d_);
+    return true;
+  }
+  std::swap(trial_, other_);
+  return accepted;
 }
 
 // The minimum of the parabola through f(q), the slope and f at the last accepted length; through
@@ -149,30 +177,31 @@ bool Minimizer::try_length(const Iterate& at, double length, bool with_gradient)
 double Minimizer::interpolated_length(const Iterate& at) {
   const double largest = length_to_largest_turn();
   double length = std::min(last_length_, largest);
-  evaluate_trial(at, length, false);
-  const auto usable = [&] { return std::isfinite(f_trial_) && slope_ < 0.0; };
+  evaluate_trial(at, d_, length, false);
+  const auto usable = [&] { return std::isfinite(trial_.f) && trial_.slope < 0.0; };
   for (int trial = 0; !usable() && trial < kMaxTrials; ++trial) {
     length *= 0.5;
-    evaluate_trial(at, length, false);
+    evaluate_trial(at, d_, length, false);
   }
-  double bend = f_trial_ - at.f - slope_;
+  double bend = trial_.f - at.f - trial_.slope;
   if (std::abs(bend) < 10.0 * kCostRounding * at.f) {  // noise: the slopes still tell
-    gradient(*at.targets, trial_, g_trial_);
-    bend = 0.5 * (g_trial_.dot(step_) - slope_);
+    gradient(*at.targets, trial_.workspace, trial_.g);
+    bend = 0.5 * (trial_.g.dot(trial_.step) - trial_.slope);
   }
   const double grown = kLargestGrowth * length;
-  const double minimizer = bend > 0.0 ? -0.5 * slope_ * length / bend : grown;
+  const double minimizer = bend > 0.0 ? -0.5 * trial_.slope * length / bend : grown;
   return std::min({minimizer, grown, largest});
 }
 
 bool Minimizer::backtrack(const Iterate& at) {
   for (int trial = 0; trial < kMaxTrials; ++trial) {
-    double shorter = 0.5 * length_;
-    if (trial == 0 && std::isfinite(f_trial_) && slope_ < 0.0) {
-      const double minimizer = -0.5 * slope_ * length_ / (f_trial_ - at.f - slope_);
-      if (minimizer > 0.1 * length_ && minimizer < length_) shorter = minimizer;
+    double shorter = 0.5 * trial_.length;
+    if (trial == 0 && std::isfinite(trial_.f) && trial_.slope < 0.0) {
+      const double minimizer =
+          -0.5 * trial_.slope * trial_.length / (trial_.f - at.f - trial_.slope);
+      if (minimizer > 0.1 * trial_.length && minimizer < trial_.length) shorter = minimizer;
     }
-    if (try_length(at, shorter, false)) return true;
+    if (try_length(at, d_, shorter, false)) return true;
   }
   return false;
 }
@@ -183,9 +212,9 @@ bool Minimizer::step_by_direction(Iterate& at) {
     const bool scaled = direction_->scales_its_step() && !options_.always_interpolate;
     const double length =
         scaled ? std::min(1.0, length_to_largest_turn()) : interpolated_length(at);
-    if (try_length(at, length, true)) return true;
+    if (length == 1.0 ? try_full_length(at) : try_length(at, d_, length, true)) return true;
     if (!direction_->wants_retry() || retry == kMaxRetries) break;
-    direction_->learn(0.0, std::isfinite(f_trial_) ? at.f - f_trial_ : -HUGE_VAL);
+    direction_->learn(0.0, std::isfinite(trial_.f) ? at.f - trial_.f : -HUGE_VAL);
   }
   if (backtrack(at)) return true;
   direction_->learn(0.0, 0.0);
@@ -196,18 +225,18 @@ bool Minimizer::step_by_direction(Iterate& at) {
 bool Minimizer::step_by_gradient(Iterate& at) {
   direction_->start();
   d_ = -at.g;
-  return (try_length(at, interpolated_length(at), true) || backtrack(at)) &&
-         f_trial_ < at.f * (1.0 - kCostRounding);
+  return (try_length(at, d_, interpolated_length(at), true) || backtrack(at)) &&
+         trial_.f < at.f * (1.0 - kCostRounding);
 }
 
 void Minimizer::accept(Iterate& at) {
-  std::swap(workspace_, trial_);
-  at.s = step_;
-  at.y = g_trial_ - g_raw_;
+  std::swap(workspace_, trial_.workspace);
+  at.s = trial_.step;
+  at.y = trial_.g - g_raw_;
   at.previous_d = d_;
-  last_length_ = length_;
-  at.f = f_trial_;
-  std::swap(g_raw_, g_trial_);
+  last_length_ = trial_.length;
+  at.f = trial_.f;
+  std::swap(g_raw_, trial_.g);
   hold_bounds(at);
   for (Eigen::Index x = 0; x < at.g.size(); ++x) {
     if (at.held[static_cast<std::size_t>(x)]) at.s[x] = at.y[x] = 0.0;
@@ -267,7 +296,7 @@ const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q
   while (summary_.termination == Termination::kNone) {
     const double f_before = at.f;
     if (step_by_direction(at)) {
-      direction_->learn(length_, at.f - f_trial_);
+      direction_->learn(trial_.length, at.f - trial_.f);
     } else if (!step_by_gradient(at)) {
       summary_.termination = Termination::kStalled;
       break;
@@ -275,7 +304,7 @@ const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q
     accept(at);
     const double norm = gradient_norm(at);
     if (options_.record_iterations) {
-      summary_.rows.push_back({at.iteration, at.f, norm, length_, at.s.norm()});
+      summary_.rows.push_back({at.iteration, at.f, norm, trial_.length, at.s.norm()});
     }
     const bool headway = at.f < f_before * (1.0 - kCostRounding) || norm < smallest_norm;
     flat = headway ? 0 : flat + 1;

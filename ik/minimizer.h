@@ -35,12 +35,24 @@ class Minimizer {
   KinematicWorkspace& workspace() { return workspace_; }
 
  private:
+  // A point on the way from the iterate.
+  struct Trial {
+    explicit Trial(const KinematicTree& tree)
+        : workspace(tree), g(tree.unknown_count()), step(tree.unknown_count()) {}
+    KinematicWorkspace workspace;
+    Eigen::VectorXd g, step;        // raw gradient; the step really taken, clipped
+    double f = kNaN, slope = kNaN;  // slope: the iterate's g · step
+    double length = 1.0;            // along the direction
+  };
+
   double gradient(const IkTargets& targets, KinematicWorkspace& workspace, Eigen::VectorXd& g);
   void start_at(const IkTargets& targets, std::span<const double> q);
   void hold_bounds(Iterate& at) const;
   double length_to_largest_turn() const;
-  void evaluate_trial(const Iterate& at, double length, bool with_gradient);
-  bool try_length(const Iterate& at, double length, bool with_gradient);
+  void evaluate_trial(const Iterate& at, const Eigen::VectorXd& d, double length,
+                      bool with_gradient);
+  bool try_length(const Iterate& at, const Eigen::VectorXd& d, double length, bool with_gradient);
+  bool try_full_length(const Iterate& at);
   double interpolated_length(const Iterate& at);
   bool backtrack(const Iterate& at);
   bool step_by_direction(Iterate& at);
@@ -52,14 +64,14 @@ class Minimizer {
   const KinematicTree& tree_;
   const IkProblem& problem_;
   MinimizerOptions options_;
-  KinematicWorkspace workspace_, trial_;  // of the iterate and of the length that is tried
+  KinematicWorkspace workspace_;  // of the iterate
+  Trial trial_, other_;           // the point that is tried, and one to compare it with
   std::unique_ptr<Direction> direction_;
   Summary summary_;
-  Eigen::VectorXd d_, step_, g_raw_, g_trial_;
+  Eigen::VectorXd d_, corrected_d_, g_raw_;
   Eigen::Matrix3Xd jacobian_;
   Iterate iterate_;
-  double f_trial_ = kNaN, slope_ = kNaN;  // at the trial; g · (the step really taken)
-  double length_ = 1.0, last_length_ = 1.0, tolerance_ = 0.0;
+  double last_length_ = 1.0, tolerance_ = 0.0;
   std::chrono::steady_clock::time_point start_;
 };
 

@@ -213,8 +213,12 @@ void SupernodalCholesky::add_product(const Eigen::VectorXd& x, Eigen::VectorXd& 
   }
 }
 
-void SupernodalCholesky::solve(Eigen::Ref<Eigen::VectorXd> x) {
-  for (const Supernode& s : supernodes_) {
+void SupernodalCholesky::forward(Eigen::Ref<Eigen::VectorXd> x, int first) {
+  if (n_ == 0) return;
+  const auto begin = supernodes_.begin() + supernode_of_[static_cast<std::size_t>(first)];
+  for (const Supernode& s : std::span(begin, supernodes_.end())) {
+    const double* const own = x.data() + s.first;
+    if (std::all_of(own, own + s.count, [](double each) { return each == 0.0; })) continue;
     const int* const rows = rows_.data() + s.first_row + s.count;
     const double* const panel = L_.data() + s.first_value;
     const int rest = s.height - s.count;
@@ -227,6 +231,9 @@ void SupernodalCholesky::solve(Eigen::Ref<Eigen::VectorXd> x) {
     }
     for (int i = 0; i < rest; ++i) x[rows[i]] -= column_[static_cast<std::size_t>(i)];
   }
+}
+
+void SupernodalCholesky::backward(Eigen::Ref<Eigen::VectorXd> x) {
   for (std::size_t n = supernodes_.size(); n-- > 0;) {
     const Supernode& s = supernodes_[n];
     const int* const rows = rows_.data() + s.first_row + s.count;

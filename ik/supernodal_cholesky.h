@@ -41,7 +41,15 @@ class SupernodalCholesky {
   void add_product(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
 
   /// x ← (LLᵀ)⁻¹ x.
-  void solve(Eigen::Ref<Eigen::VectorXd> x);
+  void solve(Eigen::Ref<Eigen::VectorXd> x) {
+    forward(x);
+    backward(x);
+  }
+  /// x ← L⁻¹ x. Entries before `first` must be zero; they and what is off the others' way up the
+  /// elimination tree cost next to nothing.
+  void forward(Eigen::Ref<Eigen::VectorXd> x, int first = 0);
+  /// x ← L⁻ᵀ x.
+  void backward(Eigen::Ref<Eigen::VectorXd> x);
 
   int size() const { return n_; }
   /// Entries of L, the zeros within supernodes included.

@@ -30,6 +30,8 @@ class WirePrediction {
   /// points).
   std::span<const double> predict(const KinematicTree& tree, const IkProblem& problem,
                                   const InternalRows& rows, const Eigen::VectorXd& d);
+  /// What predict() found last.
+  std::span<const double> predicted() const { return predicted_; }
 
  private:
   std::vector<double> excess_, predicted_;  // wires
