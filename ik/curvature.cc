@@ -229,11 +229,9 @@ void CostCurvature::add(const IkProblem& problem, const IkTargets& targets,
     rows_.for_each(problem, targets, ws, add_row);
   }
   if (!newton_) return;
-  rows_.for_each_second(
-      problem, targets, ws, wires_ == Wires::kIncluded, add_row,
-      [&](int support, int entry, double h) {
-        place(row_entry_[static_cast<std::size_t>(support)] + static_cast<std::size_t>(entry)) += h;
-      });
+  rows_.for_each_second(problem, targets, ws, add_row, [&](int support, int entry, double h) {
+    place(row_entry_[static_cast<std::size_t>(support)] + static_cast<std::size_t>(entry)) += h;
+  });
 }
 
 void CostCurvature::add_reversed(const IkProblem& problem, const IkTargets& targets,

@@ -26,9 +26,10 @@ void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
 ///   [ [f×][r×]  −[f×] ]
 ///   [    0         0  ],
 /// f = −ΣΔp the gradient's force on a point at r: (N4) and (N5) in one. Orientations add their own
-/// second derivative and half of what turning their moment does; wires and distances theirs in
-/// InternalRows::for_each_second(). Exact but for curved couplings, coincidences and alignments
-/// (whose forces are small), anisotropic orientation weights, ellipsoid joints, and joints whose
+/// second derivative and half of what turning their moment does; distances theirs in
+/// InternalRows::for_each_second(). Exact but for wires (their tensions are next to nothing where
+/// they only hold virtual links), curved couplings, coincidences and alignments (whose forces are
+/// small), anisotropic orientation weights, ellipsoid joints, and joints whose
 /// coordinates drive several or curved steps.
 class CostCurvature {
  public:

@@ -43,10 +43,10 @@ class InternalRows {
   };
   WireRow wire_row(const IkProblem& problem, std::size_t wire, const KinematicWorkspace& workspace);
 
-  /// What the second derivatives of distances and wires add to wjjᵀ, j their row and w its weight:
-  /// with the force wε in them, ε the length in excess,
-  ///  - wε ∇∇l of every stretch at fixed directions: rows as above for two directions across it, of
-  ///    weight wε/l, given to `use`;
+  /// What the second derivatives of distances add to wjjᵀ, j their row and w its weight: with the
+  /// force wε in them, ε the length in excess,
+  ///  - wε ∇∇l at fixed directions: rows as above for two directions across it, of weight wε/l,
+  ///    given to `use`;
   ///  - turning a joint turns the forces that it carries: with f the force on a point at r,
   ///    ∂g_u/∂q_v = w_uᵀ Σ (f × (r × w_v) − f × v_v) over the points that v moves, u before v on
   ///    the way from the root; given to `use_pair`(i, entry, h), the entry of (u, v) among those of
@@ -54,10 +54,11 @@ class InternalRows {
   /// Within a joint the sum is exact where order() tells its columns apart or they are a ball's.
   template <typename Use, typename UsePair>
   void for_each_second(const IkProblem& problem, const IkTargets& targets,
-                       const KinematicWorkspace& workspace, bool wires, const Use& use,
+                       const KinematicWorkspace& workspace, const Use& use,
                        const UsePair& use_pair);
 
-  /// Gives to `use` as above what holds one wire's stretches from turning while `force` is in it.
+  /// Gives to `use` as above, of one wire with `force` in it, force · ∇∇l of every stretch at fixed
+  /// directions.
   template <typename Use>
   void for_each_across(const IkProblem& problem, std::size_t wire,
                        const KinematicWorkspace& workspace, double force, const Use& use);
@@ -121,6 +122,10 @@ class InternalRows {
     use(static_cast<int>(support), row(supports_[support]), weight);
   }
 
+  // Calls use(i, p_A, p_B, length) for every distance that is measured and has a direction.
+  template <typename Use>
+  void for_each_measured_distance(const IkProblem& problem, const IkTargets& targets,
+                                  const KinematicWorkspace& workspace, const Use& use);
   template <typename Use>
   void for_each_distance(const IkProblem& problem, const IkTargets& targets,
                          const KinematicWorkspace& workspace, const Use& use);
@@ -165,20 +170,29 @@ void InternalRows::for_each_but_wires(const IkProblem& problem, const IkTargets&
 }
 
 template <typename Use>
-void InternalRows::for_each_distance(const IkProblem& problem, const IkTargets& targets,
-                                     const KinematicWorkspace& ws, const Use& use) {
+void InternalRows::for_each_measured_distance(const IkProblem& problem, const IkTargets& targets,
+                                              const KinematicWorkspace& ws, const Use& use) {
   for (std::size_t i = 0; i < problem.distances.size(); ++i) {
     const DistanceResidual& r = problem.distances[i];
     const Eigen::Vector3d pa = ws.X_WB[static_cast<std::size_t>(r.link_a)] * r.p_AP;
     const Eigen::Vector3d pb = ws.X_WB[static_cast<std::size_t>(r.link_b)] * r.p_BQ;
     const double length = (pa - pb).norm();
-    if (std::isnan(targets.distances[i]) || length == 0.0) continue;
-    const Eigen::Vector3d u = (pa - pb) / length;
-    begin(supports_[i]);
-    put_force(supports_[i], 0, pa, u);
-    put_force(supports_[i], 1, pb, -u);
-    use_row(i, r.weight, use);
+    if (!std::isnan(targets.distances[i]) && length > 0.0) use(i, pa, pb, length);
   }
+}
+
+template <typename Use>
+void InternalRows::for_each_distance(const IkProblem& problem, const IkTargets& targets,
+                                     const KinematicWorkspace& ws, const Use& use) {
+  for_each_measured_distance(
+      problem, targets, ws,
+      [&](std::size_t i, const Eigen::Vector3d& pa, const Eigen::Vector3d& pb, double length) {
+        const Eigen::Vector3d u = (pa - pb) / length;
+        begin(supports_[i]);
+        put_force(supports_[i], 0, pa, u);
+        put_force(supports_[i], 1, pb, -u);
+        use_row(i, problem.distances[i].weight, use);
+      });
 }
 
 template <typename Use>
@@ -280,41 +294,19 @@ void InternalRows::turn_loads(std::size_t s, const UsePair& use_pair) {
 
 template <typename Use, typename UsePair>
 void InternalRows::for_each_second(const IkProblem& problem, const IkTargets& targets,
-                                   const KinematicWorkspace& ws, bool wires, const Use& use,
+                                   const KinematicWorkspace& ws, const Use& use,
                                    const UsePair& use_pair) {
-  const auto place = [&](int link, const Eigen::Vector3d& p) -> Eigen::Vector3d {
-    return ws.X_WB[static_cast<std::size_t>(link)] * p;
-  };
-  std::size_t s = 0;
-  for (std::size_t i = 0; i < problem.distances.size(); ++i, ++s) {
-    const DistanceResidual& r = problem.distances[i];
-    const Eigen::Vector3d pa = place(r.link_a, r.p_AP), pb = place(r.link_b, r.p_BQ);
-    const double length = (pa - pb).norm();
-    if (std::isnan(targets.distances[i]) || length == 0.0) continue;
-    const double force = r.weight * (length - targets.distances[i]);
-    across(s, 1, pb, 0, pa, force, use);
-    begin_loads(supports_[s]);
-    put_load(supports_[s], 0, pa, force / length * (pa - pb));
-    put_load(supports_[s], 1, pb, force / length * (pb - pa));
-    turn_loads(s, use_pair);
-  }
-  if (!wires) return;
-  for (std::size_t i = 0; i < problem.wires.size(); ++i, ++s) {
-    const WireResidual& r = problem.wires[i];
-    const double force = r.weight * (wire_length(problem, r, ws) - r.natural_length);
-    if (!(force > 0.0)) continue;
-    begin_loads(supports_[s]);
-    int before = -1;
-    Eigen::Vector3d p_before = Eigen::Vector3d::Zero();
-    for_each_wire_point(problem, r, ws,
-                        [&](int point, const Eigen::Vector3d& p, const Eigen::Vector3d& u) {
-                          put_load(supports_[s], point, p, force * u);
-                          if (before >= 0) across(s, before, p_before, point, p, force, use);
-                          before = point;
-                          p_before = p;
-                        });
-    turn_loads(s, use_pair);
-  }
+  for_each_measured_distance(
+      problem, targets, ws,
+      [&](std::size_t i, const Eigen::Vector3d& pa, const Eigen::Vector3d& pb, double length) {
+        const DistanceResidual& r = problem.distances[i];
+        const double force = r.weight * (length - targets.distances[i]);
+        across(i, 1, pb, 0, pa, force, use);
+        begin_loads(supports_[i]);
+        put_load(supports_[i], 0, pa, force / length * (pa - pb));
+        put_load(supports_[i], 1, pb, force / length * (pb - pa));
+        turn_loads(i, use_pair);
+      });
 }
 
 }  // namespace sinew

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "ik/curvature.h"
+#include "ik/supernodal_cholesky.h"
 #include "tests/ik/whole_body_problem.h"
 
 namespace sinew {
@@ -53,13 +54,9 @@ struct FarProblem : WholeBodyProblem {
 };
 
 TEST(NewtonCurvature, IsThatOfTheGradientsDifferences) {
-  const FarProblem p;
+  FarProblem p;
+  p.tracking.problem.wires.clear();
   const KinematicWorkspace ws = p.workspace(3, 0.3);
-  int taut = 0;
-  for (const WireResidual& r : p.tracking.problem.wires) {
-    taut += wire_length(p.tracking.problem, r, ws) > r.natural_length;
-  }
-  EXPECT_GT(taut, 200);
   const MatrixXd expected = p.hessian_by_differences(ws);
   CostCurvature curvature(p.tree, p.tracking.problem);
   MatrixXd newton(expected.rows(), expected.cols()), gauss_newton = newton;
@@ -70,6 +67,57 @@ TEST(NewtonCurvature, IsThatOfTheGradientsDifferences) {
   const double scale = expected.cwiseAbs().maxCoeff();
   EXPECT_LT((newton - expected).cwiseAbs().maxCoeff(), 1e-7 * scale);
   EXPECT_GT((gauss_newton - expected).cwiseAbs().maxCoeff(), 1e-3 * scale);
+}
+
+// What keeps a wire under tension from being turned is the rest of its curvature, exactly so for
+// shifts of the virtual links that only wires hold.
+TEST(TensionStiffness, IsWhatGaussNewtonLeavesOut) {
+  const FarProblem p;
+  const IkProblem& problem = p.tracking.problem;
+  const KinematicWorkspace ws = p.workspace(3, 0.3);
+  const int n = p.tree.unknown_count();
+  CostCurvature apart(p.tree, problem, CostCurvature::Wires::kApart);
+  apart.update(p.tree, problem, p.targets, ws);
+  SupernodalCholesky factor(n, apart.reversed_cliques(p.tree, problem));
+  std::vector<int> offsets;
+  for (const CostCurvature::Entry& entry : apart.entries()) {
+    offsets.push_back(factor.offset(entry.row, entry.column));
+  }
+  int taut = 0;
+  for (std::size_t i = 0; i < problem.wires.size(); ++i) {
+    const WireResidual& r = problem.wires[i];
+    const double excess = wire_length(problem, r, ws) - r.natural_length;
+    if (!(excess > 0.0)) continue;
+    ++taut;
+    apart.add_tension(problem, i, ws, r.weight * excess, offsets, factor.values());
+  }
+  EXPECT_GT(taut, 200);
+  MatrixXd gauss_newton(n, n);
+  CostCurvature curvature(p.tree, problem);
+  curvature.update(p.tree, problem, p.targets, ws);
+  curvature.matrix(problem, p.targets, ws, gauss_newton);
+  const MatrixXd expected = p.hessian_by_differences(ws) - gauss_newton;
+
+  std::vector<int> shifts;
+  for (int x = 0; x < n; ++x) {
+    const int v = p.tree.unknown_v[static_cast<std::size_t>(x)];
+    const int link = p.tree.link_of_v[static_cast<std::size_t>(v)];
+    const bool is_virtual =
+        std::find(p.tracking.virtual_links.begin(), p.tracking.virtual_links.end(), link) !=
+        p.tracking.virtual_links.end();
+    if (is_virtual && ws.S[static_cast<std::size_t>(v)].head<3>().isZero(0.0)) shifts.push_back(x);
+  }
+  EXPECT_EQ(shifts.size(), 3 * p.tracking.virtual_links.size());
+  double largest = 0.0;
+  for (const int x : shifts) {
+    for (const int y : shifts) {
+      const int offset = factor.offset(n - 1 - std::min(x, y), n - 1 - std::max(x, y));
+      const double added = offset < 0 ? 0.0 : factor.values()[static_cast<std::size_t>(offset)];
+      largest = std::max(largest, std::abs(added));
+      EXPECT_NEAR(added, expected(x, y), 1e-6) << x << ", " << y;
+    }
+  }
+  EXPECT_GT(largest, 1.0);
 }
 
 }  // namespace
