@@ -9,7 +9,7 @@ cmake --build --preset release --target sinew ik_bench
 out=tests/bench/walk.md
 new=$(mktemp)
 trap 'rm -f "$new"' EXIT
-block() { printf '\n```\n%s\n' "\$ $*"; "$@"; printf '```\n'; }
+block() { printf '\n```\n%s\n' "\$ $*"; "$@" | sed "s| *$||"; printf '```\n'; }
 {
   echo "# The whole body walking"
   echo
