@@ -23,31 +23,6 @@ constexpr const char* kTimeNames[] = {"time", "t", "time_s", "time [s]", "time(s
   throw InputError({path, line}, std::move(parts));
 }
 
-// The cells of a line, without their quotes and the blanks around them. A record ends with its
-// line: names of columns hold no line breaks.
-std::vector<std::string> split(const std::string& path, const text::Line& line, char separator) {
-  std::vector<std::string> cells = {""};
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.text.size(); ++i) {
-    const char c = line.text[i];
-    if (c == '"' && quoted && i + 1 < line.text.size() && line.text[i + 1] == '"') {
-      cells.back() += line.text[i++];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == separator && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  if (quoted) {
-    fail(path, line.number,
-         {"a quote is not closed", "'\"' before the end of the line", "", "Close it."});
-  }
-  for (std::string& cell : cells) cell = std::string(text::trim(cell));
-  return cells;
-}
-
 // The one that the line of labels has most of, outside of quotes.
 char separator_of(std::string_view line) {
   char best = ',';
@@ -76,7 +51,7 @@ class Parser {
  public:
   Parser(const std::string& path, const text::Line& labels)
       : path_(path), separator_(separator_of(labels.text)) {
-    labels_ = split(path, labels, separator_);
+    labels_ = csv_cells({path, labels.number}, labels.text, separator_);
     if (labels_.size() > 1 && labels_.back().empty()) labels_.pop_back();
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < labels_.size(); ++i) {
@@ -95,7 +70,7 @@ class Parser {
   }
 
   void parse(const text::Line& line) {
-    std::vector<std::string> cells = split(path_, line, separator_);
+    std::vector<std::string> cells = csv_cells({path_, line.number}, line.text, separator_);
     while (cells.size() > labels_.size() && cells.back().empty()) cells.pop_back();
     if (cells.size() != labels_.size()) {
       fail(path_, line.number,
@@ -194,6 +169,30 @@ void check_writable(const std::string& path, const TimeTable& table) {
 }
 
 }  // namespace
+
+std::vector<std::string> csv_cells(const SourceLocation& at, std::string_view line,
+                                   char separator) {
+  std::vector<std::string> cells = {""};
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[i++];
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == separator && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  if (quoted) {
+    throw InputError(at,
+                     {"a quote is not closed", "'\"' before the end of the line", "", "Close it."});
+  }
+  for (std::string& cell : cells) cell = std::string(text::trim(cell));
+  return cells;
+}
 
 std::string csv_cell(const std::string& text) {
   const bool plain = text.find_first_of(",;\t\"\r\n") == text.npos && text::trim(text) == text;

@@ -2,7 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "data/input_error.h"
 #include "data/time_table.h"
 
 namespace sinew {
@@ -23,5 +26,10 @@ void write_csv(const std::filesystem::path& path, const TimeTable& table);
 
 /// A cell as RFC 4180 has it: quoted if need be.
 std::string csv_cell(const std::string& text);
+
+/// The cells of a line, without their quotes and the blanks around them. A record ends with its
+/// line: cells hold no line breaks. Throws InputError at `at` for an open quote.
+std::vector<std::string> csv_cells(const SourceLocation& at, std::string_view line,
+                                   char separator = ',');
 
 }  // namespace sinew

@@ -1,29 +1,12 @@
 #include <algorithm>
 #include <optional>
-#include <string_view>
 
+#include "data/csv_file.h"
 #include "data/gap_filling.h"
 #include "data/text.h"
 
 namespace sinew {
 namespace {
-
-// The first cell, which may be quoted, and the two behind it.
-std::vector<std::string> first_cells(std::string_view line) {
-  std::vector<std::string> cells = {""};
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      if (cells.size() == 3) break;
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
 
 int frame_numbered(const MarkerTrajectories& markers, const std::string& text) {
   const std::optional<long long> number = text::parse_integer(text);
@@ -44,7 +27,7 @@ std::vector<MarkerGap> read_filled_gaps(const std::filesystem::path& path,
   bool labelled = false;
   while (const std::optional<text::Line> line = lines.next_filled()) {
     const SourceLocation at{path.string(), line->number};
-    const std::vector<std::string> cells = first_cells(line->text);
+    const std::vector<std::string> cells = csv_cells(at, line->text);
     if (!labelled) {
       labelled = line->text.starts_with("marker,first_frame,last_frame");
       if (!labelled) {
@@ -55,8 +38,8 @@ std::vector<MarkerGap> read_filled_gaps(const std::filesystem::path& path,
       continue;
     }
     const int marker = markers.find_marker(cells[0]);
-    const int first = cells.size() == 3 ? frame_numbered(markers, cells[1]) : -1;
-    const int last = cells.size() == 3 ? frame_numbered(markers, cells[2]) : -1;
+    const int first = cells.size() >= 3 ? frame_numbered(markers, cells[1]) : -1;
+    const int last = cells.size() >= 3 ? frame_numbered(markers, cells[2]) : -1;
     if (marker < 0 || first < 0 || last < first) {
       throw InputError(at, {"names a marker or frames that the recording does not have",
                             "a marker, its first and its last filled frame",

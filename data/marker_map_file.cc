@@ -1,33 +1,12 @@
 #include <fmt/format.h>
 
 #include <set>
-#include <string_view>
 
 #include "data/csv_file.h"
 #include "data/marker_matching.h"
 #include "data/text.h"
 
 namespace sinew {
-namespace {
-
-// The two cells of a row; quotes around a cell may hold a comma.
-std::vector<std::string> cells_of(std::string_view line) {
-  std::vector<std::string> cells = {""};
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  for (std::string& cell : cells) cell = std::string(text::trim(cell));
-  return cells;
-}
-
-}  // namespace
 
 MarkerMap read_marker_map(const std::filesystem::path& path) {
   const std::string content = text::read_text_file(path, "a map of markers");
@@ -37,8 +16,8 @@ MarkerMap read_marker_map(const std::filesystem::path& path) {
   bool labelled = false;
   while (const std::optional<text::Line> line = lines.next_filled()) {
     if (text::trim(line->text).starts_with('#')) continue;
-    const std::vector<std::string> cells = cells_of(line->text);
     const SourceLocation at{path.string(), line->number};
+    const std::vector<std::string> cells = csv_cells(at, line->text);
     if (!labelled) {
       labelled = cells.size() == 2 && cells[0] == "recorded" && cells[1] == "model";
       if (!labelled) {
