@@ -18,10 +18,11 @@ namespace sinew {
 /// are asked for.
 ///
 /// The line search accepts the first length α that satisfies Armijo's condition. Methods that scale
-/// their step try 1 first and go to the minimum of the parabola through f(q), f(q + d) and the
-/// slope if that fails; the others go to the minimum of the parabola through f(q),
-/// f(q + α_{k−1} d) and the slope, as in the paper. Then both bisect. If nothing on the way is
-/// accepted, −g has a last try before the frame ends as stalled.
+/// their step try 1 first, then their correction of it if they have one and fell short of what they
+/// expected, then other directions if they want to; they go to the minimum of the parabola through
+/// f(q), f(q + d) and the slope if all that fails. The others go to the minimum of the parabola
+/// through f(q), f(q + α_{k−1} d) and the slope, as in the paper. Then both bisect. If nothing on
+/// the way is accepted, −g has a last try before the frame ends as stalled.
 class Minimizer {
  public:
   /// Keeps references to tree and problem. Throws std::invalid_argument for bad options.

@@ -24,7 +24,7 @@ enum class Method {
   kGaussNewton,
   // O(links), continuing the sweep of the decomposed gradient, which they always take. Couplings
   // and residuals that join two links do not fit their sweep: on such problems GaussNewton's sparse
-  // factorization stands in for it, with the same second derivatives.
+  // factorization stands in for it, with the same second derivatives but those of wires.
   kArticulatedGaussNewton,
   kArticulatedNewton,
   kArticulated,  // turns from one to the other by itself

@@ -19,11 +19,12 @@ WireTensions::WireTensions(int unknowns, int wires)
       column_(Eigen::VectorXd::Zero(unknowns)) {
   const auto n = static_cast<std::size_t>(wires);
   const std::size_t entries = n * static_cast<std::size_t>(unknowns);
-  for (std::vector<double>* each : {&weight_, &demand_, &tension_, &slack_, &x_}) each->reserve(n);
+  for (std::vector<double>* each : {&weight_, &demand_, &tension_, &x_}) each->reserve(n);
   wires_.reserve(n);
   first_.reserve(n + 1);
   first_.push_back(0);
   is_active_.reserve(n);
+  is_wrong_.reserve(n);
   active_.reserve(n);
   indices_.reserve(entries);
   values_.reserve(entries);
@@ -38,7 +39,6 @@ void WireTensions::begin(const Eigen::VectorXd& y) {
   weight_.clear();
   demand_.clear();
   tension_.clear();
-  slack_.clear();
   first_.resize(1);
   indices_.clear();
   values_.clear();
@@ -81,7 +81,6 @@ void WireTensions::add(int wire, double excess, double weight, std::span<const i
   weight_.push_back(weight);
   demand_.push_back(demand);
   tension_.push_back(0.0);
-  slack_.push_back(0.0);
   is_active_.push_back(0);
   set_active(wires_.size() - 1, true);
 }
@@ -133,19 +132,20 @@ void WireTensions::solve_active() {
 void WireTensions::solve() {
   std::size_t fewest = wires_.size() + 1;
   int patience = kPatience;
+  is_wrong_.assign(wires_.size(), 0);
   // The fallback visits no set twice; far fewer rounds than this are seen.
   const std::size_t most = 50 + 4 * wires_.size();
   for (std::size_t round = 0; round < most; ++round) {
     solve_active();
     std::size_t wrong = 0, last = 0;
     for (std::size_t i = 0; i < wires_.size(); ++i) {
+      double margin = tension_[i];
       if (!is_active_[i]) {
-        slack_[i] = -demand_[i];
-        for (const std::size_t k : active_) slack_[i] += product(i, k) * tension_[k];
+        margin = -demand_[i];  // z
+        for (const std::size_t k : active_) margin += product(i, k) * tension_[k];
       }
-      const bool is_wrong = is_active_[i] ? tension_[i] < 0.0 : slack_[i] < 0.0;
-      slack_[i] = is_wrong ? -1.0 : 1.0;
-      if (!is_wrong) continue;
+      is_wrong_[i] = margin < 0.0;
+      if (!is_wrong_[i]) continue;
       ++wrong;
       last = i;
     }
@@ -157,7 +157,7 @@ void WireTensions::solve() {
       --patience;
     }
     for (std::size_t i = 0; i < wires_.size(); ++i) {
-      if (slack_[i] < 0.0 && (patience > 0 || i == last)) set_active(i, !is_active_[i]);
+      if (is_wrong_[i] && (patience > 0 || i == last)) set_active(i, !is_active_[i]);
     }
   }
   for (double& f : tension_) f = std::max(f, 0.0);

@@ -61,15 +61,15 @@ class WireTensions {
 
   std::vector<int> place_;  // wires of the problem: where among those added, −1: nowhere
   std::vector<int> wires_;  // that were added; all below are of these
-  std::vector<double> weight_, demand_, tension_, slack_;  // demand: ε + cᵀy; slack: z
+  std::vector<double> weight_, demand_, tension_;  // demand: ε + cᵀy
   std::vector<std::size_t> first_;  // of c in indices_ and values_; one more at the end
   std::vector<int> indices_;        // where c is not zero
   std::vector<double> values_;
-  std::vector<double> products_;  // lower triangle of CᵀC + W⁻¹, row by row
-  std::vector<char> is_active_;
-  std::vector<std::size_t> active_;  // taut ones; factored in this order
-  std::vector<double> L_, x_;        // of the active products: rows one after another
-  std::size_t factored_ = 0;         // rows of L_ that are right
+  std::vector<double> products_;            // lower triangle of CᵀC + W⁻¹, row by row
+  std::vector<char> is_active_, is_wrong_;  // wrong: the other way round than it has to be
+  std::vector<std::size_t> active_;         // taut ones; factored in this order
+  std::vector<double> L_, x_;               // of the active products: rows one after another
+  std::size_t factored_ = 0;                // rows of L_ that are right
   Eigen::VectorXd y_, column_;
 };
 
