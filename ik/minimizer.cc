@@ -22,7 +22,7 @@ constexpr int kMaxTrials = 60;
 // gradient's norm takes up to 60 iterations to fall below where it was.
 constexpr int kMaxFlat = 100;
 
-// A method that asks again multiplies its damping by 2, 4, 8, …: after ten times by 2^55.
+// A method that asks again multiplies its damping by 2, 4, 8, … or more: after ten times by 2^55.
 constexpr int kMaxRetries = 10;
 
 // A step that lowers the cost by less than this part of what its method expects is worth a
