@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/allocator_interface.h>
+#include "tests/data/sanitizer_hooks.h"
 #else
 #include <malloc.h>
 #endif
@@ -49,8 +49,7 @@ namespace sinew::live_memory {
 inline const int hooked = __sanitizer_install_malloc_and_free_hooks(
     [](const volatile void*, std::size_t size) { add(size); },
     [](const volatile void* memory) {
-      if (counting && memory)
-        remove(__sanitizer_get_allocated_size(const_cast<const void*>(memory)));
+      if (counting && memory) remove(__sanitizer_get_allocated_size(memory));
     });
 
 }  // namespace sinew::live_memory

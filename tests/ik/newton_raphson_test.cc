@@ -111,7 +111,8 @@ TEST_P(NewtonRaphsonOf, FailsBeyondReachWhereLeastSquaresDoNot) {
   EXPECT_FALSE(summary.converged());
   EXPECT_FALSE(summary.detail.empty());
   q = arm.pose(0.3);
-  const Summary& found = Minimizer(arm.tree, arm.problem, {}).minimize(targets, q);
+  Minimizer minimizer(arm.tree, arm.problem, {});
+  const Summary& found = minimizer.minimize(targets, q);
   EXPECT_TRUE(found.converged()) << found.message();
   EXPECT_NEAR(found.final_cost, 0.5 * std::pow(0.05 * 0.55, 2), 1e-4);
 }
