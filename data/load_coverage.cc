@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "data/foot_motion.h"
 
@@ -27,6 +28,11 @@ bool wholly_above(const ForcePlatform& platform, const std::vector<Eigen::Vector
                      [&](const auto& p) { return distance_outside(platform, p) < 0.0; });
 }
 
+// A foot passes over a platform, or comes down on it and leaves it, within this time [s]; what
+// rests there longer and as low as it ever does [m] stands, and a platform that says otherwise is
+// dead or is not where the file has it.
+constexpr double kRestingTime = 0.2, kRestingHeight = 0.03;
+
 FootLoad load_of(int foot, const std::vector<Eigen::Vector3d>& markers, bool stands, double time,
                  const FootAssignment& assignment,
                  const std::vector<ForcePlatformRecording>& plates) {
@@ -49,6 +55,31 @@ FootLoad load_of(int foot, const std::vector<Eigen::Vector3d>& markers, bool sta
     }
   }
   return FootLoad::kUnmeasured;
+}
+
+double lowest(const std::vector<Eigen::Vector3d>& markers) {
+  double height = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : markers) height = std::min(height, p.y());
+  return height;
+}
+
+// Takes back that no load acts on a foot which rests on a platform without a force.
+void doubt_dead_platforms(const FootMotion& motion, const Eigen::VectorXd& time, std::size_t foot,
+                          std::vector<std::vector<FootLoad>>& loads) {
+  double floor = std::numeric_limits<double>::infinity();
+  for (const auto& markers : motion.markers) floor = std::min(floor, lowest(markers));
+  const auto rests = [&](std::size_t f) {
+    return motion.stands[f] && loads[f][foot] == FootLoad::kNone &&
+           lowest(motion.markers[f]) < floor + kRestingHeight;
+  };
+  for (std::size_t first = 0, end = 0; first < loads.size(); first = end) {
+    end = first + 1;
+    if (!rests(first)) continue;
+    while (end < loads.size() && rests(end)) ++end;
+    const auto at = [&](std::size_t f) { return time[static_cast<Eigen::Index>(f)]; };
+    if (at(end - 1) - at(first) < kRestingTime) continue;
+    for (std::size_t f = first; f < end; ++f) loads[f][foot] = FootLoad::kUnmeasured;
+  }
 }
 
 }  // namespace
@@ -89,6 +120,7 @@ LoadCoverage load_coverage(const MarkerTrajectories& markers, const FootAssignme
           load_of(static_cast<int>(foot), motion.markers[frame], motion.stands[frame],
                   markers.time[static_cast<Eigen::Index>(frame)], assignment, plates));
     }
+    doubt_dead_platforms(motion, markers.time, foot, coverage.loads);
   }
   return coverage;
 }

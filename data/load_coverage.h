@@ -11,7 +11,7 @@ namespace sinew {
 enum class FootLoad {
   kMeasured,    // a platform carries it, and that is assigned to it
   kNone,        // it is in the air, or above a platform that carries nothing
-  kUnmeasured,  // it stands where no platform measures
+  kUnmeasured,  // it stands where no platform measures, or rests on one that does not
   kUnusable,    // it stands on a platform whose force was not assigned to it
   kUnknown      // the foot is not measured itself
 };

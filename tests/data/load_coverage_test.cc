@@ -48,6 +48,14 @@ MarkerTrajectories standing(const Vector3d& right, const Vector3d& left) {
   return markers;
 }
 
+// Lifts the right (0) or left (1) foot by a hand's breadth while the platform carries nothing.
+void lift_where_unloaded(MarkerTrajectories& markers, int foot) {
+  for (int f = 0; f < 201; ++f) {
+    if (f >= 50 && f <= 150) continue;
+    for (const int m : {2 * foot, 2 * foot + 1}) markers.p_WM(f, 3 * m + 1) += 0.1;
+  }
+}
+
 LoadCoverage cover(const MarkerTrajectories& markers, const ForcePlatformRecording& plate,
                    const std::vector<AssignmentOverride>& overrides = {}) {
   const std::vector<ForcePlatformRecording> plates = {plate};
@@ -58,7 +66,9 @@ LoadCoverage cover(const MarkerTrajectories& markers, const ForcePlatformRecordi
 const Vector3d kOn(-0.1, 0.05, 0.0), kBeside(-0.1, 0.05, 1.0);
 
 TEST(LoadCoverage, StandingBesideThePlatformIsNotMeasured) {
-  const LoadCoverage coverage = cover(standing(kOn, kBeside), platform(700.0));
+  MarkerTrajectories markers = standing(kOn, kBeside);
+  lift_where_unloaded(markers, 0);
+  const LoadCoverage coverage = cover(markers, platform(700.0));
   EXPECT_EQ(coverage.feet, (std::vector<std::string>{"right", "left"}));
   EXPECT_EQ(coverage.loads[100][0], FootLoad::kMeasured);
   EXPECT_EQ(coverage.loads[100][1], FootLoad::kUnmeasured);
@@ -73,7 +83,9 @@ TEST(LoadCoverage, StandingBesideThePlatformIsNotMeasured) {
 }
 
 TEST(LoadCoverage, TwoFeetOnOnePlatformCannotBeUsed) {
-  const MarkerTrajectories markers = standing(kOn, kOn + Vector3d(0, 0, -0.15));
+  MarkerTrajectories markers = standing(kOn, kOn + Vector3d(0, 0, -0.15));
+  lift_where_unloaded(markers, 0);
+  lift_where_unloaded(markers, 1);
   LoadCoverage coverage = cover(markers, platform(700.0));
   EXPECT_EQ(coverage.loads[100][0], FootLoad::kUnusable);
   EXPECT_EQ(coverage.loads[100][1], FootLoad::kUnusable);
@@ -85,6 +97,18 @@ TEST(LoadCoverage, TwoFeetOnOnePlatformCannotBeUsed) {
   coverage = cover(markers, platform(700.0), {{1, "left", {}, {}}});
   EXPECT_EQ(coverage.loads[100][0], FootLoad::kUnmeasured);
   EXPECT_EQ(coverage.loads[100][1], FootLoad::kMeasured);
+}
+
+// A dead platform, or one that is elsewhere than the file says.
+TEST(LoadCoverage, AFootThatRestsOnAPlatformWithoutForceIsNotMeasured) {
+  const LoadCoverage dead = cover(standing(kOn, kBeside), platform(0.0));
+  EXPECT_EQ(dead.complete_frames(0), 0);
+  EXPECT_EQ(dead.loads[100][0], FootLoad::kUnmeasured);
+  // It comes down on it a moment before the force shows.
+  MarkerTrajectories markers = standing(kOn, kBeside);
+  lift_where_unloaded(markers, 0);
+  markers.p_WM.block(40, 1, 10, 1) = markers.p_WM.block(50, 1, 10, 1);
+  EXPECT_EQ(cover(markers, platform(700.0)).complete_frames(0), 201);
 }
 
 TEST(LoadCoverage, AFootInTheAirNeedsNoPlatform) {
