@@ -1,6 +1,7 @@
 #include "data/marker_synonyms.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string_view>
@@ -49,6 +50,12 @@ constexpr Site kMidline[] = {
     {"strn", "strn xiphoid px xiph xiphoidprocess"},
 };
 
+// What names of wands and clusters on a limb begin with, without side, separators and case.
+constexpr const char* kTechnical[] = {
+    "thi", "thap", "thad",     "thl", "thr",     "th1", "th2",     "th3",   "th4",
+    "tib", "tiap", "tiad",     "sk1", "sk2",     "sk3", "sk4",     "shank", "shk",
+    "leg", "upa",  "upperarm", "frm", "forearm", "bak", "cluster", "wand"};
+
 std::map<std::string, std::string, std::less<>> index_of(const auto& sites) {
   std::map<std::string, std::string, std::less<>> index;
   for (const Site& site : sites) {
@@ -68,6 +75,27 @@ std::string letters_of(std::string_view text) {
 }
 
 }  // namespace
+
+bool is_technical_marker(const std::string& name) {
+  if (!marker_site(name).empty()) return false;
+  const std::size_t colon = name.rfind(':');
+  const std::string bare = colon == name.npos ? name : name.substr(colon + 1);
+  const MarkerName parsed = parse_marker_name(bare);
+  std::string letters = letters_of(parsed.side == Side::kNone ? bare : parsed.without_side);
+  if (parsed.side == Side::kNone) {
+    // `rshank1`; a name without a side is of no limb.
+    if (letters.empty() || (letters[0] != 'r' && letters[0] != 'l')) return false;
+    letters.erase(0, 1);
+  }
+  return std::any_of(std::begin(kTechnical), std::end(kTechnical),
+                     [&](const char* start) { return letters.starts_with(start); });
+}
+
+std::vector<std::string> technical_markers(const std::vector<std::string>& names) {
+  std::vector<std::string> technical;
+  std::copy_if(names.begin(), names.end(), std::back_inserter(technical), is_technical_marker);
+  return technical;
+}
 
 std::string marker_site(const std::string& name) {
   static const auto sides = index_of(kSides), midline = index_of(kMidline);

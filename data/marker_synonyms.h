@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace sinew {
 
@@ -15,5 +16,12 @@ namespace sinew {
 /// subjects name it (Top.Head ... L.Toe.Tip), the calibration points of Cappozzo et al. (1995, Clin
 /// Biomech 10:171-178), and the set of Rajagopal et al. (2016, IEEE TBME 63:2068-2079).
 std::string marker_site(const std::string& name);
+
+/// Whether a name is one of a marker on a wand or in a cluster, which sits anywhere on its segment:
+/// RTHI, LTIB, R.Shank.Upper, LTHAP, r_thigh2, RUPA, LFRM, RBAK, ...
+bool is_technical_marker(const std::string& name);
+
+/// Those among the names.
+std::vector<std::string> technical_markers(const std::vector<std::string>& names);
 
 }  // namespace sinew

@@ -42,9 +42,11 @@ struct Compiled {
   KinematicTree tree;
   std::vector<TrackingProblem> problems;  // samples
 
-  Compiled(MusculoskeletalModel scaled, const std::vector<Sample>& samples)
+  Compiled(MusculoskeletalModel scaled, const std::vector<Sample>& samples,
+           bool name_unmatched = false)
       : model(std::move(scaled)), tree(compile_tree(model)) {
     BindingOptions options;
+    options.name_unmatched = name_unmatched;
     options.wires.use = WireOptions::Use::kNone;  // how long muscles are is not known yet
     for (const Sample& sample : samples) {
       problems.push_back(bind_recording(model, tree, sample.file, nullptr, nullptr, options));
@@ -134,7 +136,7 @@ std::vector<int> AutoScaler::tracked_markers(const Compiled& compiled) const {
 
 // Poses with the model as it is, from the default pose.
 void AutoScaler::start() {
-  const Compiled compiled(model_, samples_);
+  const Compiled compiled(model_, samples_, options_.name_unmatched);
   TrackingOptions tracking;
   tracking.minimizer = options_.minimizer;
   tracking.threads = options_.threads;
@@ -401,6 +403,7 @@ void AutoScaleOptions::validate() const {
   positive("segment_sd", segment_sd);
   positive("axis_sd", axis_sd);
   positive("marker_offset_sd", marker_offset_sd);
+  positive("technical_marker_sd", technical_marker_sd);
   positive("marker_sd", marker_sd);
   positive("independent_frames", independent_frames);
   positive("tolerance", tolerance);

@@ -41,6 +41,10 @@ struct AutoScaleOptions {
   // Of a marker from where the model's author put it, along each axis [m]: what examiners differ by
   // on a landmark (Della Croce et al. 2005, Gait Posture 21:226-237: 6-25 mm).
   double marker_offset_sd = 0.01;
+  // Markers that mark no landmark, by name, and how far they may be from where the model has them,
+  // along each axis [m]: on wands and clusters, as long as a hand is broad.
+  std::vector<std::string> technical_markers;
+  double technical_marker_sd = 0.1;
   // Of a marker in one frame from where it sits on the bone, along each axis [m]: soft tissue.
   double marker_sd = 0.005;
   // Soft tissue moves with the gait cycle, not at random: the frames of a trial together weigh no
@@ -52,6 +56,7 @@ struct AutoScaleOptions {
   double tolerance = 1e-6;         // it ends when no factor changes by more than this fraction …
   double offset_tolerance = 1e-7;  // … and no marker by more than this [m]
 
+  bool name_unmatched = true;  // as BindingOptions'
   MinimizerOptions minimizer;  // of each frame's pose
   int threads = 0;             // 0: all cores; results do not depend on it
   /// Called after every iteration of the outer loop; return false to stop.

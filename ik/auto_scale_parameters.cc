@@ -178,9 +178,18 @@ AutoScaleParameters choose_parameters(const MusculoskeletalModel& model,
   for (const int m : tracked) {
     if (!model.markers[static_cast<std::size_t>(m)].fixed) parameters.free_markers.push_back(m);
   }
-  const double precision = 1.0 / (options.marker_offset_sd * options.marker_offset_sd);
-  parameters.prior_precision_of_offsets = Eigen::VectorXd::Constant(
-      3 * static_cast<Eigen::Index>(parameters.free_markers.size()), precision);
+  parameters.prior_precision_of_offsets.resize(
+      3 * static_cast<Eigen::Index>(parameters.free_markers.size()));
+  for (std::size_t i = 0; i < parameters.free_markers.size(); ++i) {
+    const std::string& name =
+        model.markers[static_cast<std::size_t>(parameters.free_markers[i])].name;
+    const auto& technical = options.technical_markers;
+    const double sd = std::find(technical.begin(), technical.end(), name) == technical.end()
+                          ? options.marker_offset_sd
+                          : options.technical_marker_sd;
+    parameters.prior_precision_of_offsets.segment<3>(3 * static_cast<Eigen::Index>(i))
+        .setConstant(1.0 / (sd * sd));
+  }
   return parameters;
 }
 

@@ -50,6 +50,8 @@ struct BindingOptions {
   // which keeps loops closed to a thousandth of the marker error at most.
   double loop_weight = 1e6;
   WireOptions wires;
+  // Warn of markers that only the model or only the recording has; off where that is known already.
+  bool name_unmatched = true;
 };
 
 /// Without tasks every marker that model and recording share has weight 1. With tasks, as in

@@ -88,8 +88,10 @@ class Binder {
     const auto report = [&](const std::vector<std::string>& names, const char* what) {
       if (!names.empty()) warn(fmt::format("{} {}: {}", names.size(), what, some_of(names)));
     };
-    report(not_in_model, "recorded markers are not in the model and are not used");
-    report(not_recorded, "markers of the model are not in the recording");
+    if (options_.name_unmatched) {
+      report(not_in_model, "recorded markers are not in the model and are not used");
+      report(not_recorded, "markers of the model are not in the recording");
+    }
     report(never_measured, "markers are never measured");
     report(not_named, "recorded markers have no task and are not used");
     if (result_.markers.empty()) {

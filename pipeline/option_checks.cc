@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -54,6 +55,17 @@ CLI::Validator a_stride() {
 CLI::Validator a_cutoff() {
   return number_check("a frequency in Hz above 0, or negative for no filter",
                       [](double x) { return std::isfinite(x) && x != 0.0; });
+}
+
+std::vector<std::string> split_names(std::string_view text) {
+  std::vector<std::string> names;
+  if (text == "none") return names;
+  while (!text.empty()) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    if (comma > 0) names.emplace_back(text.substr(0, comma));
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return names;
 }
 
 }  // namespace sinew

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace sinew {
 
@@ -13,5 +16,8 @@ CLI::Validator zero_or_more();    // finite
 CLI::Validator a_thread_count();  // 0 to 1024
 CLI::Validator a_stride();        // an integer, 1 or more
 CLI::Validator a_cutoff();        // positive [Hz], or negative for none
+
+/// Names separated by commas; `none` is no name.
+std::vector<std::string> split_names(std::string_view text);
 
 }  // namespace sinew

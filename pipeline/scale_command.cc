@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
-#include <string_view>
 
 #include "data/output_file.h"
 #include "data/storage_file.h"
@@ -28,21 +26,15 @@ struct ScaleOutputs {
   }
 };
 
-// bodies separated by commas
-std::vector<std::string> split_group(std::string_view text) {
-  std::vector<std::string> names;
-  while (!text.empty()) {
-    const std::size_t comma = std::min(text.find(','), text.size());
-    names.emplace_back(text.substr(0, comma));
-    text.remove_prefix(std::min(comma + 1, text.size()));
-  }
-  return names;
-}
+constexpr const char* kTechnicalHelp =
+    "--auto: markers A,B,... on wands and in clusters, that sit anywhere; or none; their names "
+    "(THI, TIB, Shank...) tell unless given";
 
 // What --auto adds.
 struct AutoOptions {
   bool use = false, uniform = false, free_sides = false;
   std::vector<std::string> markers, groups;
+  std::optional<std::string> technical;
   AutoScaleOptions options;
 
   void add_to(CLI::App& command) {
@@ -60,6 +52,9 @@ struct AutoOptions {
     number("--axis-sd", options.axis_sd, "--auto: of an axis beyond its segment");
     number("--offset-sd", options.marker_offset_sd,
            "--auto: of a marker from its place in the model [m]");
+    command.add_option("--technical", technical, kTechnicalHelp);
+    number("--technical-sd", options.technical_marker_sd,
+           "--auto: of a technical marker from its place in the model [m]");
     number("--marker-sd", options.marker_sd,
            "--auto: of a marker in a frame from its place on the bone [m]");
     number("--independent-frames", options.independent_frames,
@@ -76,7 +71,7 @@ struct AutoOptions {
     AutoScaleOptions result = options;
     result.axes = uniform ? AutoScaleOptions::Axes::kUniform : AutoScaleOptions::Axes::kEach;
     result.tie_sides = !free_sides;
-    for (const std::string& group : groups) result.groups.push_back(split_group(group));
+    for (const std::string& group : groups) result.groups.push_back(split_names(group));
     result.progress = progress_bar("fitting sizes");
     return result;
   }
@@ -185,8 +180,16 @@ struct ScaleCommand {
     to.json = json;
     if (to.model.empty()) throw std::invalid_argument("no output file: give --out FILE.osim");
     InputFiles inputs = {{"model", model}, {"marker_set", marker_set}};
-    AutoScaleJob job{model, marker_set,        name, mass, preserve_masses, {}, from,
-                     until, automatic.gather()};
+    AutoScaleJob job;
+    job.model_file = model;
+    job.marker_set_file = marker_set;
+    job.name = name;
+    job.mass = mass;
+    job.preserve_mass_distribution = preserve_masses;
+    job.from = from;
+    job.to = until;
+    job.options = automatic.gather();
+    if (automatic.technical) job.technical = split_names(*automatic.technical);
     for (const std::string& recording : recordings) inputs.emplace_back("markers", recording);
     check_outputs(to.all(), inputs);
     for (const std::string& recording : recordings) job.trials.push_back(read_trc(recording));

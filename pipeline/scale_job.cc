@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <stdexcept>
+
+#include "data/marker_synonyms.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
 #include "model/osim_writer.h"
@@ -79,6 +82,18 @@ ScaledModel start(OsimDocument document, const std::filesystem::path& marker_set
   return scaled;
 }
 
+std::vector<std::string> technical_in(const AutoScaleJob& job, const MusculoskeletalModel& model) {
+  std::vector<std::string> names;
+  for (const Marker& marker : model.markers) names.push_back(marker.name);
+  if (!job.technical) return technical_markers(names);
+  for (const std::string& name : *job.technical) {
+    if (model.find_marker(name) >= 0) continue;
+    throw std::invalid_argument(
+        fmt::format("--technical names '{}', which is no marker of the model", name));
+  }
+  return *job.technical;
+}
+
 }  // namespace
 
 bool needs_recording(const ModelScalerSetup& scaler) {
@@ -147,7 +162,9 @@ ScaledModel run_auto_scale(const AutoScaleJob& job) {
     append(scaled.warnings, trial.warnings);
     trials.push_back({&trial, job.from, job.to});
   }
-  scaled.automatic = auto_scale(scaled.document.model(), trials, job.options);
+  AutoScaleOptions options = job.options;
+  options.technical_markers = technical_in(job, scaled.document.model());
+  scaled.automatic = auto_scale(scaled.document.model(), trials, options);
   append(scaled.warnings, scaled.automatic->warnings);
   scaled.factors = scaled.automatic->factors;
   append(scaled.warnings,

@@ -34,7 +34,9 @@ struct AutoScaleJob {
   bool preserve_mass_distribution = false;
   std::vector<MarkerFile> trials;  // static and moving, in any order
   std::optional<double> from, to;  // of all trials [s]
-  AutoScaleOptions options;
+  // Names of markers; without, those that are called so (data/marker_synonyms.h).
+  std::optional<std::vector<std::string>> technical;
+  AutoScaleOptions options;  // its technical_markers come from `technical`
 };
 
 /// A model fitted to a subject, and how.
@@ -69,6 +71,8 @@ InputFiles input_files(const ScaleSetup& setup);
 ScaledModel run_scale(const ScaleJob& job);
 
 /// Fits factors and marker offsets and applies them to the document. Check automatic->stopped.
+/// Throws as read_osim() and auto_scale() do, and std::invalid_argument naming --technical for a
+/// marker that the model does not have.
 ScaledModel run_auto_scale(const AutoScaleJob& job);
 
 /// The model of a file, or a built-in body by name, as a document.

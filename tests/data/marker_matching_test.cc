@@ -161,5 +161,20 @@ TEST(NearestName, CountsEdits) {
   EXPECT_EQ(nearest_name("abc", {"xyz"}), "");
 }
 
+TEST(MarkerSynonyms, WandsAndClustersMarkNoLandmark) {
+  for (const char* name :
+       {"RTHI", "LTIB", "Anna:RTHI", "R.Thigh.Upper", "L.Shank.Rear", "LTHAP", "RTIAD", "r_thigh2",
+        "RUPA", "LFRM", "RBAK", "RTH1", "LSK3", "rshank1", "L_Cluster3"}) {
+    EXPECT_TRUE(is_technical_marker(name)) << name;
+  }
+  for (const char* name :
+       {"RKNE", "LANK", "RHEE", "R.Knee.Lat", "T10", "RTTC", "R_tibial_tuberosity", "Thorax", "TH1",
+        "Leg", "LASI", "SACR", "rknee", "R.Toe.Tip", "V.Sacral", ""}) {
+    EXPECT_FALSE(is_technical_marker(name)) << name;
+  }
+  EXPECT_EQ(technical_markers({"RKNE", "RTHI", "LTIB"}),
+            (std::vector<std::string>{"RTHI", "LTIB"}));
+}
+
 }  // namespace
 }  // namespace sinew

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "data/marker_synonyms.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
 #include "ik/auto_scale_parameters.h"
@@ -108,6 +109,39 @@ TEST(AutoScale, RecoversKnownFactors) {
     }
     EXPECT_GE(determinate, 4);
   }
+}
+
+// Wands that hold a marker a hand's breadth off the skin say nothing of the segment's size.
+TEST(AutoScale, IsNotMisledByWands) {
+  SINEW_NEEDS_GAIT();
+  const MusculoskeletalModel model = generic_gait();
+  const ScaleFactors truth = true_factors(model);
+  MusculoskeletalModel subject = scale_geometry(model, truth);
+  AutoScaleOptions options;
+  options.frames = 12;
+  for (Marker& marker : subject.markers) {
+    if (!is_technical_marker(marker.name)) continue;
+    options.technical_markers.push_back(marker.name);
+    marker.p_BM += Eigen::Vector3d(0.05, 0.03, marker.name[0] == 'R' ? 0.08 : -0.08);
+  }
+  ASSERT_GE(options.technical_markers.size(), 12u);
+  const MarkerFile walk = synthesize(subject);
+  const auto worst = [&](const AutoScaleOptions& with) {
+    const AutoScaleResult result = auto_scale(model, {{&walk, {}, {}}}, with);
+    EXPECT_TRUE(result.converged) << result.iterations;
+    double error = 0.0;
+    int determinate = 0;
+    for (const ScaleEstimate& estimate : result.estimates) {
+      if (!estimate.determinate) continue;
+      ++determinate;
+      error = std::max(error, std::abs(std::log(estimate.factor / truth_of(estimate, truth))));
+    }
+    EXPECT_GE(determinate, 3);
+    return error;
+  };
+  EXPECT_LT(worst(options), 0.025);
+  options.technical_markers.clear();
+  EXPECT_GT(worst(options), 0.05);
 }
 
 // A third of the samples are gone, each marker at other times.
