@@ -27,9 +27,10 @@ struct Finding {
       to = std::numeric_limits<double>::quiet_NaN();
   double confidence = 0.0;          // 0 to 1
   std::string command = "convert";  // of sinew, whose options mend it
-  std::vector<std::string> flags;   // these options; none mends it where empty
-  std::string output;               // what they write; `mended` with the file's ending where empty
-  std::string advice;               // what else to do, or why no option mends it
+  // These options; none mends it where empty. Of other commands than convert they name the files.
+  std::vector<std::string> flags;
+  std::string output;  // what they write; `mended` with the file's ending where empty
+  std::string advice;  // what else to do, or why no option mends it
 
   bool operator==(const Finding&) const = default;
 };

@@ -225,6 +225,9 @@ void subtract_baseline(C3dFile& file, const std::vector<int>& channels,
 void zero_platforms(C3dFile& file, const std::vector<UnloadedTime>& times) {
   std::vector<Warning> ignored;
   const std::vector<ForcePlatform> platforms = find_force_platforms(file, ignored);
+  if (std::none_of(platforms.begin(), platforms.end(), [](const auto& p) { return p.usable(); })) {
+    throw std::invalid_argument("--zero-plates: the file has no force platform that can be used");
+  }
   for (const UnloadedTime& time : times) {
     const auto fits = [&](const ForcePlatform& p) { return p.number == time.plate && p.usable(); };
     if (time.plate == 0 || std::any_of(platforms.begin(), platforms.end(), fits)) continue;

@@ -44,13 +44,12 @@ FindingCounts count(const std::vector<Finding>& findings) {
 
 std::string remedy_command(const Finding& finding) {
   if (finding.flags.empty()) return "";
+  if (finding.command != "convert") return remedy(finding);
   Finding named = finding;
   named.flags.insert(named.flags.begin(), finding.file);
-  if (finding.command == "convert") {
-    const std::string ending = std::filesystem::path(finding.file).extension().string();
-    named.flags.insert(named.flags.end(),
-                       {"--out", finding.output.empty() ? "mended" + ending : finding.output});
-  }
+  const std::string ending = std::filesystem::path(finding.file).extension().string();
+  named.flags.insert(named.flags.end(),
+                     {"--out", finding.output.empty() ? "mended" + ending : finding.output});
   return remedy(named);
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "data/input_file.h"
 #include "data/setup_fields.h"
 #include "data/text.h"
@@ -18,6 +20,11 @@ std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_array()) {
+    std::string list;
+    for (const Json& item : value) list += (list.empty() ? "" : ", ") + text_of(item);
+    return list;
+  }
   if (value.is_object()) return fmt::format("{} entries", value.size());
   return value.dump();
 }
@@ -92,6 +99,14 @@ std::string DecisionLog::settle_text(Decision decision, bool by_default) {
   const Json value = settle(std::move(decision), by_default);
   if (!value.is_string()) wrong_type(decisions_.back(), "a text");
   return value.get<std::string>();
+}
+
+std::vector<std::string> DecisionLog::settle_texts(Decision decision) {
+  const Json value = settle(std::move(decision));
+  const bool texts = value.is_array() && std::all_of(value.begin(), value.end(),
+                                                     [](const Json& v) { return v.is_string(); });
+  if (!texts) wrong_type(decisions_.back(), "a list of texts");
+  return value.get<std::vector<std::string>>();
 }
 
 double DecisionLog::settle_number(Decision decision, bool by_default) {

@@ -44,6 +44,7 @@ class DecisionLog {
 
   /// The same with types; a value of another type in decisions.json is an InputError naming it.
   std::string settle_text(Decision decision, bool by_default = false);
+  std::vector<std::string> settle_texts(Decision decision);
   double settle_number(Decision decision, bool by_default = false);
   bool settle_flag(Decision decision, bool by_default = false);
 

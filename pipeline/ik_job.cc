@@ -63,6 +63,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
   if (inputs.tasks) append(job.warnings, inputs.tasks->warnings);
   BindingOptions binding;
   binding.wires = inputs.wires;
+  binding.name_unmatched = inputs.name_unmatched;
   job.tracking =
       bind_recording(job.model, job.tree, job.recording, inputs.tasks ? &*inputs.tasks : nullptr,
                      values.size() > 0 ? &values : nullptr, binding);

@@ -36,6 +36,7 @@ struct IkInputs {
   std::string method = "gauss-newton";
   double tolerance = MinimizerOptions{}.gradient_tolerance;
   WireOptions wires;
+  bool name_unmatched = true;            // as BindingOptions'
   std::filesystem::path filled_file;     // which samples were filled in; may be empty
   double filled_weight = kFilledWeight;  // of these
   int threads = 0;

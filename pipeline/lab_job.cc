@@ -14,6 +14,7 @@
 #include "pipeline/lab_loads.h"
 #include "pipeline/lab_model.h"
 #include "pipeline/lab_motion.h"
+#include "pipeline/lab_names.h"
 #include "pipeline/lab_recording.h"
 #include "pipeline/preflight_files.h"
 #include "pipeline/setup_files.h"
@@ -52,12 +53,13 @@ class Preparation {
 
   LabJob prepare() {
     gather_inputs();
-    const GenericModel generic = generic_model(job_.ik.model, options_, folder_);
-    report(warnings_, generic.model.warnings);
     threshold_ = log_.settle_number(
         {"threshold", {}, kThreshold, "[N] what laboratories use", {}, "", "--threshold"}, true);
-    LabTrial walk = read_lab_recording(options_.c3d, "", options_, threshold_, log_, warnings_);
-    check_first(generic);
+    LabTrial walk = read_lab_recording(options_.c3d, "", threshold_, log_, warnings_);
+    entered_ = subject_parameters(walk.file);
+    const GenericModel generic = generic_model(job_.ik.model, entered_, options_, folder_, log_);
+    report(warnings_, generic.model.warnings);
+    check_first(generic, walk.edits);
     MarkerTrajectories markers = name(walk, "", generic.model);
     scale(generic, walk, markers);
     condition_lab_markers(markers, walk.file.path, folder_ / kModel, folder_ / kFilled, log_,
@@ -71,22 +73,32 @@ class Preparation {
 
  private:
   void gather_inputs() {
-    job_.inputs = {{"c3d", options_.c3d},          {"static", options_.static_trial},
-                   {"map", options_.map},          {"scale_setup", options_.scale_setup},
-                   {"tasks", job_.ik.tasks},       {"task_coordinates", job_.ik.coordinates},
-                   {"loads", job_.dynamics.loads}, {"load_data", job_.dynamics.load_data}};
+    job_.inputs = {{"c3d", options_.c3d},
+                   {"static", options_.static_trial},
+                   {"map", options_.map},
+                   {"scale_setup", options_.scale_setup},
+                   {"marker_set", options_.marker_set},
+                   {"tasks", job_.ik.tasks},
+                   {"task_coordinates", job_.ik.coordinates},
+                   {"loads", job_.dynamics.loads},
+                   {"load_data", job_.dynamics.load_data}};
     if (!find_whole_body(job_.ik.model)) job_.inputs.emplace_back("model", job_.ik.model);
   }
 
-  // What would spoil the run, and what mends it, before anything is solved.
-  void check_first(const GenericModel& generic) {
+  // What would still spoil the run, and what mends it, before anything is solved.
+  void check_first(const GenericModel& generic, const RecordingEdits& edits) {
     PreflightFiles files;
     files.read_model(generic.file.string());
-    files.read(options_.c3d);
-    if (!options_.static_trial.empty()) files.read(options_.static_trial);
+    files.read(options_.c3d, edits);
+    RecordingEdits unit;
+    unit.unit = options_.edit.unit;
+    if (!options_.static_trial.empty()) files.read(options_.static_trial, unit);
     for (const Finding& finding : run_preflight(files.inputs())) {
       if (finding.severity == Finding::Severity::kNote || finding.confidence < kWorthSaying)
         continue;
+      // A generic model is of another size until it is scaled.
+      if (finding.kind == "size" && will_fit_sizes(generic)) continue;
+      if (finding.kind == "match") continue;  // names are settled next
       const std::string mends = remedy(finding);
       report(warnings_,
              {{{finding.file.empty() ? options_.c3d : finding.file},
@@ -94,6 +106,12 @@ class Preparation {
                            finding.text, confidence_word(finding.confidence),
                            mends.empty() ? "" : "; mended by ", mends)}});
     }
+  }
+
+  bool will_fit_sizes(const GenericModel& generic) const {
+    if (options_.no_scale || options_.scale == "none" || options_.scale == "mass") return false;
+    return !options_.scale.empty() || !options_.static_trial.empty() ||
+           !options_.scale_setup.empty() || generic.built_in;
   }
 
   MarkerTrajectories name(const LabTrial& trial, const std::string& which,
@@ -108,14 +126,14 @@ class Preparation {
     std::optional<MarkerFile> standing;
     std::vector<ForcePlatformRecording> plates;
     if (!options_.static_trial.empty()) {
-      const LabTrial trial = read_lab_recording(options_.static_trial, "static ", options_,
-                                                threshold_, log_, warnings_);
+      const LabTrial trial =
+          read_lab_recording(options_.static_trial, "static ", threshold_, log_, warnings_);
       standing = MarkerFile{trial.file.path, name(trial, "static ", generic.model), {}};
       plates = trial.plates;
       write_trc(folder_ / kStatic, standing->markers);
     }
-    model_ = settle_model(generic, walking, standing ? &*standing : nullptr, plates, options_,
-                          job_.ik.threads, folder_ / kModel, log_, warnings_);
+    model_ = settle_model(generic, walking, standing ? &*standing : nullptr, plates, entered_,
+                          options_, job_.ik.threads, folder_ / kModel, log_, warnings_);
     job_.ik.model = (folder_ / kModel).string();
   }
 
@@ -207,6 +225,7 @@ class Preparation {
   DecisionLog& log_;
   std::vector<Warning>& warnings_;
   double threshold_ = kThreshold;
+  SubjectParameters entered_;
   MusculoskeletalModel model_;
   LabJob job_;
 };

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "data/input_file.h"
+#include "data/marker_synonyms.h"
 #include "data/output_file.h"
 #include "data/standing_mass.h"
 #include "model/osim_file.h"
@@ -33,6 +34,28 @@ std::string quality(const AutoScaleResult& fit) {
       1e3 * fit.rms_after);
 }
 
+Decision mass_decision(const std::vector<ForcePlatformRecording>& standing_plates,
+                       const SubjectParameters& entered, const LabOptions& options) {
+  Decision decision{"mass", {}, {}, "", {}, "", "--mass"};
+  if (!options.scale_setup.empty()) {
+    const std::optional<double> mass = read_scale_setup(options.scale_setup).mass;
+    if (mass) decision.found = *mass;
+    decision.why = mass ? "[kg] the ScaleTool setup's" : "the ScaleTool setup does not say it";
+  } else if (const std::optional<double> found = standing_mass(standing_plates)) {
+    decision.found = *found;
+    decision.why = "[kg] what the platforms carry in the static trial";
+    decision.confidence = 0.9;
+    if (entered.mass) decision.why += fmt::format("; the trial says {:.1f}", *entered.mass);
+  } else if (entered.mass) {
+    decision.found = *entered.mass;
+    decision.why = "[kg] PROCESSING:BODYMASS of the trial";
+  } else {
+    decision.why =
+        "neither --mass, standing on platforms nor the trial's file says it: the model's own";
+  }
+  return decision;
+}
+
 Decision scaling_decision(const GenericModel& generic, bool standing, const LabOptions& options,
                           bool mass_known) {
   Decision decision{"scaling", {}, {}, "", {}, "", "--scale"};
@@ -59,14 +82,30 @@ ScaledModel scale_by_setup(const GenericModel& generic, const MarkerFile* standi
   ScaleJob job;
   job.setup = read_scale_setup(options.scale_setup);
   job.setup.generic.model_file = generic.file;
+  job.setup.generic.marker_set_file.clear();  // the model has them already
   if (mass) job.setup.mass = *mass;
   if (standing != nullptr) job.static_trial = *standing;
   require_files(job.setup, {.model = true, .static_trial = standing != nullptr});
   return run_scale(job);
 }
 
+std::vector<std::string> settle_technical(const MusculoskeletalModel& model,
+                                          const MarkerTrajectories& markers, DecisionLog& log) {
+  std::vector<std::string> tracked;
+  for (const std::string& name : markers.names) {
+    if (model.find_marker(name) >= 0) tracked.push_back(name);
+  }
+  return log.settle_texts({"technical markers",
+                           {},
+                           technical_markers(tracked),
+                           "called as those on wands and in clusters, which may sit anywhere",
+                           {},
+                           "",
+                           "--technical"});
+}
+
 ScaledModel scale_by_markers(const GenericModel& generic, const MarkerFile& recording,
-                             const std::optional<double>& mass, int threads) {
+                             const std::optional<double>& mass, int threads, DecisionLog& log) {
   AutoScaleJob job;
   job.model_file = generic.file;
   job.mass = mass;
@@ -74,6 +113,8 @@ ScaledModel scale_by_markers(const GenericModel& generic, const MarkerFile& reco
   // More would only take longer: together they weigh no more than so many independent ones.
   job.options.frames = static_cast<int>(job.options.independent_frames);
   job.options.threads = threads;
+  job.options.name_unmatched = false;
+  job.technical = settle_technical(generic.model, recording.markers, log);
   job.options.progress = progress_bar("scaling");
   ScaledModel scaled = run_auto_scale(job);
   if (scaled.automatic && scaled.automatic->stopped) {
@@ -92,48 +133,66 @@ std::string scale_by_mass(const GenericModel& generic, double mass,
   return document.to_string();
 }
 
+// Where markers come from that the model does not have.
+std::filesystem::path marker_set_file(const LabOptions& options) {
+  if (!options.marker_set.empty()) return options.marker_set;
+  if (options.scale_setup.empty()) return {};
+  return read_scale_setup(options.scale_setup).generic.marker_set_file;
+}
+
+WholeBodyOptions settle_body(WholeBodyOptions body, const SubjectParameters& entered,
+                             const LabOptions& options, DecisionLog& log) {
+  Decision height{"height", {}, body.height, "[m] the built-in body's own", {}, "", "--height"};
+  if (entered.height) {
+    height.found = *entered.height;
+    height.why = "[m] PROCESSING:HEIGHT of the trial";
+  }
+  body.height = log.settle_number(height, !entered.height);
+  body.mass = options.mass.value_or(body.mass);
+  if (options.sex == "female") body.sex = WholeBodyOptions::Sex::kFemale;
+  body.validate();
+  return body;
+}
+
 }  // namespace
 
-GenericModel generic_model(const std::string& name, const LabOptions& options,
-                           const std::filesystem::path& folder) {
+GenericModel generic_model(const std::string& name, const SubjectParameters& entered,
+                           const LabOptions& options, const std::filesystem::path& folder,
+                           DecisionLog& log) {
   GenericModel generic;
-  std::optional<WholeBodyOptions> body = find_whole_body(name);
-  if (!body) {
-    if (options.height || !options.sex.empty()) {
-      throw std::invalid_argument(
-          fmt::format("--height and --sex are for the built-in bodies; '{}' is a file", name));
-    }
-    generic.file = name;
-    generic.model = read_osim(name);
-    return generic;
+  const std::optional<WholeBodyOptions> body = find_whole_body(name);
+  generic.built_in = body.has_value();
+  generic.file = name;
+  if (!body && (options.height || !options.sex.empty())) {
+    throw std::invalid_argument(
+        fmt::format("--height and --sex are for the built-in bodies; '{}' is a file", name));
   }
-  generic.built_in = true;
-  body->height = options.height.value_or(body->height);
-  body->mass = options.mass.value_or(body->mass);
-  if (options.sex == "female") body->sex = WholeBodyOptions::Sex::kFemale;
-  body->validate();
-  generic.file = folder / "model_generic.osim";
-  write_file_atomically(generic.file, write_osim(whole_body(*body)));
+  const std::filesystem::path marker_set = marker_set_file(options);
+  if (body || !marker_set.empty()) {
+    OsimDocument document =
+        body ? OsimDocument(name, write_osim(whole_body(settle_body(*body, entered, options, log))))
+             : OsimDocument(name);
+    if (!marker_set.empty()) document.merge_markers(marker_set);
+    generic.file = folder / "model_generic.osim";
+    write_file_atomically(generic.file, document.to_string());
+  }
   generic.model = read_osim(generic.file);
+  if (generic.model.markers.empty()) {
+    throw InputError({name}, {"has no markers that could be held against the recording's", "", "",
+                              "Give --marker-set FILE.xml, or a model with markers."});
+  }
   return generic;
 }
 
 MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile& walk,
                                   const MarkerFile* standing,
                                   const std::vector<ForcePlatformRecording>& standing_plates,
-                                  const LabOptions& options, int threads,
-                                  const std::filesystem::path& file, DecisionLog& log,
+                                  const SubjectParameters& entered, const LabOptions& options,
+                                  int threads, const std::filesystem::path& file, DecisionLog& log,
                                   std::vector<Warning>& warnings) {
-  Decision mass_decision{"mass", {}, {}, "", {}, "", "--mass"};
-  if (const std::optional<double> found = standing_mass(standing_plates)) {
-    mass_decision.found = *found;
-    mass_decision.why = "[kg] what the platforms carry in the static trial";
-    mass_decision.confidence = 0.9;
-  } else {
-    mass_decision.why = "neither --mass nor standing on platforms says it: the model's own";
-  }
   std::optional<double> mass;
-  const nlohmann::ordered_json settled = log.settle(mass_decision);
+  const nlohmann::ordered_json settled =
+      log.settle(mass_decision(standing_plates, entered, options));
   if (settled.is_number()) mass = settled.get<double>();
   if (options.no_scale) log.say("scaling", "none", options.given_now.contains("--no-scale"));
   const std::string by =
@@ -158,8 +217,9 @@ MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile&
         fmt::format("scaling is '{}'; expected setup, static, walk, mass or none", by));
   }
   const ScaledModel scaled =
-      by == "setup" ? scale_by_setup(generic, standing, mass, options)
-                    : scale_by_markers(generic, by == "walk" ? walk : *standing, mass, threads);
+      by == "setup"
+          ? scale_by_setup(generic, standing, mass, options)
+          : scale_by_markers(generic, by == "walk" ? walk : *standing, mass, threads, log);
   report(warnings, scaled.warnings);
   set_mass(scaled, mass);
   if (scaled.automatic) fmt::print("{}\n", quality(*scaled.automatic));

@@ -6,31 +6,36 @@
 
 #include "data/force_platform.h"
 #include "data/marker_trajectories.h"
+#include "data/subject_parameters.h"
 #include "model/musculoskeletal_model.h"
 #include "pipeline/decisions.h"
 #include "pipeline/lab_options.h"
 
 namespace sinew {
 
-/// The generic model: a file as it is, or a built-in body of the options' height, mass and sex,
-/// which is written to `folder`. Throws as read_osim() and WholeBodyOptions::validate() do, and
-/// std::invalid_argument for sizes given for a file.
+/// The generic model: a file as it is, or a built-in body of the options' mass and sex and of a
+/// height that is settled. What is no file as it is, a built-in body or a model to which a marker
+/// set was added (the options', or that of their ScaleTool setup), is written to `folder`. Throws
+/// as read_osim(), OsimDocument::merge_markers() and WholeBodyOptions::validate() do, InputError
+/// for a model without markers, and std::invalid_argument for sizes given for a file.
 struct GenericModel {
   std::filesystem::path file;
   bool built_in = false;
   MusculoskeletalModel model;
 };
-GenericModel generic_model(const std::string& name, const LabOptions& options,
-                           const std::filesystem::path& folder);
+GenericModel generic_model(const std::string& name, const SubjectParameters& entered,
+                           const LabOptions& options, const std::filesystem::path& folder,
+                           DecisionLog& log);
 
 /// Scales the generic model to the subject and writes `file`: by an OpenSim setup, by the static
 /// trial, by the walk, by the mass alone, or not at all, as is settled. `standing` may be null;
-/// both recordings have the model's marker names. Returns the model as it is read back.
+/// both recordings have the model's marker names; `entered` is what the trial's file says. Returns
+/// the model as it is read back.
 MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile& walk,
                                   const MarkerFile* standing,
                                   const std::vector<ForcePlatformRecording>& standing_plates,
-                                  const LabOptions& options, int threads,
-                                  const std::filesystem::path& file, DecisionLog& log,
+                                  const SubjectParameters& entered, const LabOptions& options,
+                                  int threads, const std::filesystem::path& file, DecisionLog& log,
                                   std::vector<Warning>& warnings);
 
 }  // namespace sinew

@@ -1,5 +1,8 @@
 #include "pipeline/lab_options.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -11,30 +14,34 @@
 namespace sinew {
 namespace {
 
+constexpr const char* kGroup = "From a laboratory's files";
+
 struct InputOption {
   const char* option;
   const char* role;  // in decisions.json
 };
-constexpr InputOption kInputs[] = {{"--c3d", "c3d"},
-                                   {"--static", "static"},
-                                   {"--model", "model"},
-                                   {"--map", "map"},
-                                   {"--scale-setup", "scale_setup"},
-                                   {"--tasks", "tasks"},
-                                   {"--task-coordinates", "task_coordinates"},
-                                   {"--loads", "loads"},
-                                   {"--load-data", "load_data"}};
+constexpr InputOption kInputs[] = {{"--c3d", "c3d"},     {"--static", "static"},
+                                   {"--model", "model"}, {"--marker-set", "marker_set"},
+                                   {"--map", "map"},     {"--scale-setup", "scale_setup"},
+                                   {"--tasks", "tasks"}, {"--task-coordinates", "task_coordinates"},
+                                   {"--loads", "loads"}, {"--load-data", "load_data"}};
 constexpr const char* kNoDecisions[] = {"--out", "--decisions", "--threads", "--trace", "--help"};
 
 // What each option decides.
 struct OptionDecision {
   const char* option;
   const char* decision;
-  enum class Kind { kText, kNumber, kFlag } kind;
+  enum class Kind { kText, kTexts, kNames, kNumber, kFlag } kind;
 };
 using Kind = OptionDecision::Kind;
 constexpr OptionDecision kDecisions[] = {{"--unit", "unit", Kind::kText},
                                          {"--unit", "static unit", Kind::kText},
+                                         {"--swap", "swap", Kind::kTexts},
+                                         {"--drop", "drop", Kind::kTexts},
+                                         {"--swap-sides", "swap sides", Kind::kFlag},
+                                         {"--rename", "rename", Kind::kTexts},
+                                         {"--zero-plates", "zero plates", Kind::kTexts},
+                                         {"--shift-forces", "shift forces", Kind::kNumber},
                                          {"--up", "up", Kind::kText},
                                          {"--up", "static up", Kind::kText},
                                          {"--forward", "forward", Kind::kText},
@@ -42,6 +49,8 @@ constexpr OptionDecision kDecisions[] = {{"--unit", "unit", Kind::kText},
                                          {"--subject", "static subject", Kind::kText},
                                          {"--mass", "mass", Kind::kNumber},
                                          {"--scale", "scaling", Kind::kText},
+                                         {"--technical", "technical markers", Kind::kNames},
+                                         {"--height", "height", Kind::kNumber},
                                          {"--max-gap", "max gap", Kind::kNumber},
                                          {"--fill-rigid", "fill rigid", Kind::kFlag},
                                          {"--filled-weight", "filled weight", Kind::kNumber},
@@ -65,6 +74,7 @@ bool is_file_option(const CLI::App& command, const std::string& name) {
 }  // namespace
 
 void LabOptions::add_to(CLI::App& command) {
+  const std::size_t others = command.get_options().size();
   command.add_option("--c3d", c3d,
                      "A trial as a laboratory records it (.c3d; .trc for markers alone): axes, "
                      "unit, names, gaps, filters, platforms and scaling are decided and explained");
@@ -74,6 +84,8 @@ void LabOptions::add_to(CLI::App& command) {
   command.add_option("--height", height, "Height of a built-in body [m]")->check(more_than_zero());
   command.add_option("--sex", sex, "Sex of a built-in body, male unless given")
       ->check(CLI::IsMember({"male", "female"}));
+  command.add_option("--marker-set", marker_set,
+                     "Markers to add to the model (.xml); without, those that --scale-setup names");
   command.add_option("--scale-setup", scale_setup,
                      "OpenSim ScaleTool setup to scale the model by (.xml)");
   command
@@ -81,13 +93,15 @@ void LabOptions::add_to(CLI::App& command) {
                   "What the model is scaled by: static, walk, mass alone, setup or none")
       ->check(CLI::IsMember({"static", "walk", "mass", "setup", "none"}));
   command.add_flag("--no-scale", no_scale, "Take the model as it is");
+  command.add_option("--technical", technical,
+                     "Markers A,B,... on wands and in clusters, that sit anywhere, or none; their "
+                     "names (THI, TIB, Shank...) tell unless given");
   command.add_option("--map", map,
                      "Names of markers (.csv): lines `recorded,model`, the model's empty for a "
                      "marker that shall not be used");
   command.add_option("--subject", subject,
                      "Whose markers, where a trial has several: the name before the colon");
-  command.add_option("--unit", unit, "Unit of lengths in the trial, against what it says")
-      ->check(CLI::IsMember({"mm", "cm", "m"}));
+  edit.add_to(command);
   command.add_option("--up", up, "The laboratory's axis that points up, or keep to turn nothing")
       ->check(an_axis(true));
   command.add_option("--forward", forward, "The laboratory's axis along which the subject goes")
@@ -120,6 +134,20 @@ void LabOptions::add_to(CLI::App& command) {
       ->check(zero_or_more());
   command.add_option("--decisions", decisions,
                      "Repeat the run that wrote this decisions.json, which may have been edited");
+  const std::vector<CLI::Option*> options = command.get_options();
+  for (std::size_t i = others; i < options.size(); ++i) options[i]->group(kGroup);
+}
+
+void LabOptions::require_none(const CLI::App& command) {
+  std::vector<std::string> given;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() == kGroup && option->count() > 0) given.push_back(option->get_name());
+  }
+  if (given.empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{} {} to a laboratory's trial: give it with --c3d FILE.c3d, or leave {} out",
+                  fmt::join(given, ", "), given.size() == 1 ? "belongs" : "belong",
+                  given.size() == 1 ? "it" : "them"));
 }
 
 void LabOptions::validate() const {
@@ -159,6 +187,10 @@ void say_options(const CLI::App& command, const std::set<std::string>& now, Deci
     // `auto` asks for what is found.
     if (kind == Kind::kText && option->as<std::string>() != "auto") {
       log.say(decision, option->as<std::string>(), is_now);
+    } else if (kind == Kind::kTexts) {
+      log.say(decision, option->as<std::vector<std::string>>(), is_now);
+    } else if (kind == Kind::kNames) {
+      log.say(decision, split_names(option->as<std::string>()), is_now);
     } else if (kind == Kind::kNumber) {
       log.say(decision, option->as<double>(), is_now);
     } else if (kind == Kind::kFlag) {

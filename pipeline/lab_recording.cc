@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "data/c3d_labels.h"
 #include "data/force_table.h"
-#include "data/marker_matching.h"
 #include "data/text.h"
+#include "data/trc_description.h"
 #include "data/trc_file.h"
 #include "pipeline/command.h"
+#include "pipeline/edit_options.h"
 #include "pipeline/recording.h"
 
 namespace sinew {
@@ -19,14 +21,12 @@ using Json = nlohmann::ordered_json;
 
 // Markers of a person, of legs only or with the arms up, reach over this much [m].
 constexpr double kSmallest = 0.3, kLargest = 3.5;
-// What two bodies need to be found.
-constexpr int kLeastMarkers = 6;
-
-double metres(const std::string& unit) { return unit == "m" ? 1.0 : unit == "cm" ? 1e-2 : 1e-3; }
 
 std::string name_of_unit(double metres_per_unit) {
-  if (metres_per_unit == 1.0) return "m";
-  return metres_per_unit == 1e-2 ? "cm" : metres_per_unit == 1e-3 ? "mm" : "";
+  for (const char* unit : {"mm", "cm", "m", "in", "ft"}) {
+    if (c3d::metres_per(unit) == metres_per_unit) return unit;
+  }
+  return "";
 }
 
 // The longest side of the box around all markers of a frame, in the middle over the frames.
@@ -64,8 +64,8 @@ C3dFile read_trial(const std::string& path, std::vector<Warning>& warnings) {
   C3dFile file;
   file.path = path;
   file.markers = std::move(read.markers);
-  file.unit = "m";
-  file.metres_per_unit = 1.0;
+  file.metres_per_unit = read_trc_description(path).metres_per_unit;
+  file.unit = name_of_unit(file.metres_per_unit);
   return file;
 }
 
@@ -77,7 +77,7 @@ Decision unit_decision(const std::string& trial, const C3dFile& file) {
   if (stored.empty() || std::isnan(size) || (size >= kSmallest && size <= kLargest))
     return decision;
   for (const char* unit : {"mm", "cm", "m"}) {
-    const double other = size / file.metres_per_unit * metres(unit);
+    const double other = size / file.metres_per_unit * *c3d::metres_per(unit);
     if (other < kSmallest || other > kLargest) continue;
     decision.found = unit;
     decision.confidence = 0.9;
@@ -89,15 +89,30 @@ Decision unit_decision(const std::string& trial, const C3dFile& file) {
   return decision;
 }
 
-void settle_unit(const std::string& trial, C3dFile& file, DecisionLog& log) {
+// What the options or an edited decisions.json put right; of the static trial only its unit.
+RecordingEdits settle_edits(const std::string& trial, const C3dFile& file, DecisionLog& log) {
+  EditOptions said;
   const std::string unit = log.settle_text(unit_decision(trial, file));
-  // A unit that has no name here, such as inches, stays as it was understood.
-  if (unit.empty() || unit == name_of_unit(file.metres_per_unit)) return;
-  const double factor = metres(unit) / file.metres_per_unit;
-  file.markers.p_WM *= factor;
-  file.computed.values *= factor;
-  file.unit = unit;
-  file.metres_per_unit = metres(unit);
+  // A unit that has no name here stays as it was understood.
+  if (!unit.empty() && unit != name_of_unit(file.metres_per_unit)) said.unit = unit;
+  if (!trial.empty()) return said.edits();
+  const auto decision = [](const char* name, const char* option) {
+    return Decision{name, {}, {}, "", {}, "", option};
+  };
+  const auto settle_list = [&](const char* name, const char* option, auto& list) {
+    if (log.said(name)) list = log.settle_texts(decision(name, option));
+  };
+  settle_list("swap", "--swap", said.swaps);
+  settle_list("drop", "--drop", said.drops);
+  if (log.said("swap sides")) {
+    said.swap_sides = log.settle_flag(decision("swap sides", "--swap-sides"));
+  }
+  settle_list("rename", "--rename", said.renames);
+  settle_list("zero plates", "--zero-plates", said.unloaded);
+  if (log.said("shift forces")) {
+    said.shift_forces = log.settle_number(decision("shift forces", "--shift-forces"));
+  }
+  return said.edits();
 }
 
 // The sureness of what was found only; what is known has none.
@@ -134,87 +149,15 @@ Turn settle_turn(const std::string& trial, const LabTrial& recording, DecisionLo
   return find_turn(file.markers, file.path, file.screen, recording.plates, options, said_already);
 }
 
-// Entries of the user's map that this recording has, for one map may serve several trials.
-MarkerMap entries_of(const MarkerMap& map, const std::vector<std::string>& recorded) {
-  MarkerMap result;
-  for (const auto& entry : map) {
-    const bool there = std::any_of(recorded.begin(), recorded.end(), [&](const std::string& name) {
-      return name == entry.first || name.ends_with(":" + entry.first);
-    });
-    if (there) result.push_back(entry);
-  }
-  return result;
-}
-
-Json to_json(const MarkerMatching& matching, const std::vector<std::string>& recorded,
-             const std::vector<std::string>& model) {
-  Json map = Json::object();
-  for (const MarkerMatch& match : matching.matches) {
-    map[recorded[static_cast<std::size_t>(match.recorded)]] =
-        model[static_cast<std::size_t>(match.model)];
-  }
-  return map;
-}
-
-// All that is not in the decision is not used.
-MarkerMap map_of(const Json& value, const std::vector<std::string>& recorded,
-                 const std::string& path) {
-  MarkerMap map;
-  if (!value.is_object()) {
-    throw InputError({path}, {"the value of decision 'markers' is of the wrong kind",
-                              "an object of recorded and model names", value.dump(), ""});
-  }
-  for (const auto& [from, to] : value.items()) {
-    if (to.is_string()) map.emplace_back(from, to.get<std::string>());
-  }
-  for (const std::string& name : recorded) {
-    if (!value.contains(name)) map.emplace_back(name, "");
-  }
-  return map;
-}
-
-std::string how_matched(const MarkerMatching& matching) {
-  std::string text;
-  for (const MatchKind kind :
-       {MatchKind::kSaid, MatchKind::kSame, MatchKind::kSpelling, MatchKind::kSite}) {
-    if (matching.count(kind) == 0) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", matching.count(kind), to_string(kind));
-  }
-  return text.empty() ? "no name matches" : text;
-}
-
-std::vector<std::string> names_of(const std::vector<int>& indices,
-                                  const std::vector<std::string>& names) {
-  std::vector<std::string> result;
-  for (const int i : indices) result.push_back(names[static_cast<std::size_t>(i)]);
-  return result;
-}
-
-void report_unmatched(const MarkerMatching& matching, const std::vector<std::string>& recorded,
-                      const std::vector<std::string>& model, const std::string& path,
-                      std::vector<Warning>& warnings) {
-  const auto tell = [&](const std::vector<int>& indices, const std::vector<std::string>& names,
-                        const char* what) {
-    std::string list;
-    for (const std::string& name : names_of(indices, names)) {
-      list += (list.empty() ? "" : ", ") + name;
-    }
-    if (!indices.empty()) {
-      report(warnings, {{{path}, fmt::format("{} {}: {}", indices.size(), what, list)}});
-    }
-  };
-  tell(matching.unused, recorded, "recorded markers are not the model's and are not tracked");
-  tell(matching.missing, model, "markers of the model are not recorded");
-}
-
 }  // namespace
 
-LabTrial read_lab_recording(const std::string& path, const std::string& trial, const LabOptions&,
-                            double threshold, DecisionLog& log, std::vector<Warning>& warnings) {
+LabTrial read_lab_recording(const std::string& path, const std::string& trial, double threshold,
+                            DecisionLog& log, std::vector<Warning>& warnings) {
   LabTrial recording;
   recording.file = read_trial(path, warnings);
   require_c3d_part(recording.file, recording.file.markers.marker_count() > 0, "markers");
-  settle_unit(trial, recording.file, log);
+  recording.edits = settle_edits(trial, recording.file, log);
+  edit_recording(recording.file, recording.edits);
   ForcePlatforms platforms = compute_forces(recording.file, {.threshold = threshold});
   report(warnings, platforms.warnings);
   recording.plates = std::move(platforms.recordings);
@@ -222,47 +165,6 @@ LabTrial read_lab_recording(const std::string& path, const std::string& trial, c
   rotate_vectors(recording.turn.R_MW, recording.file.markers.p_WM);
   for (ForcePlatformRecording& plate : recording.plates) rotate(plate, recording.turn.R_MW);
   return recording;
-}
-
-MarkerTrajectories name_lab_markers(const LabTrial& recording, const std::string& trial,
-                                    const std::vector<std::string>& model_names,
-                                    const LabOptions& options, DecisionLog& log,
-                                    std::vector<Warning>& warnings) {
-  const std::string& path = recording.file.path;
-  const std::vector<std::string>& recorded = recording.file.markers.names;
-  MatchingOptions matching_options;
-  MarkerMatching found = match_markers(recorded, model_names, matching_options, path);
-  if (!found.subjects.empty()) {
-    matching_options.subject =
-        log.settle_text({trial + "subject",
-                         {},
-                         found.subject,
-                         fmt::format("of {} subject{}, the one with most of the model's markers",
-                                     found.subjects.size(), found.subjects.size() == 1 ? "" : "s"),
-                         {},
-                         "",
-                         "--subject"});
-    found = match_markers(recorded, model_names, matching_options, path);
-  }
-  if (!options.map.empty()) {
-    matching_options.map = entries_of(read_marker_map(options.map), recorded);
-    const MarkerMatching said = match_markers(recorded, model_names, matching_options, path);
-    log.say(trial + "markers", to_json(said, recorded, model_names),
-            options.given_now.contains("--map"));
-  }
-  const Json value = log.settle({trial + "markers",
-                                 {},
-                                 to_json(found, recorded, model_names),
-                                 how_matched(found),
-                                 {},
-                                 "",
-                                 "--map"});
-  matching_options.map = map_of(value, recorded, path);
-  const MarkerMatching matching = match_markers(recorded, model_names, matching_options, path);
-  require_matches(matching, std::min(kLeastMarkers, static_cast<int>(model_names.size())), recorded,
-                  model_names, path);
-  report_unmatched(matching, recorded, model_names, path, warnings);
-  return rename_markers(recording.file.markers, matching, model_names);
 }
 
 }  // namespace sinew

@@ -21,6 +21,7 @@ C3dFile read_edited_c3d(const std::string& path, const PrepareOptions& options,
 LabTrial read_lab_trial(const std::string& path, const PrepareOptions& options,
                         std::vector<Warning>& warnings) {
   LabTrial trial;
+  trial.edits = options.edit.edits();
   trial.file = read_edited_c3d(path, options, warnings);
   ForcePlatforms platforms = compute_forces(trial.file, {.threshold = options.threshold});
   report(warnings, platforms.warnings);

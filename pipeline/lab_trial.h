@@ -6,6 +6,7 @@
 #include "data/c3d_file.h"
 #include "data/foot_assignment.h"
 #include "data/force_platform.h"
+#include "data/recording_edits.h"
 #include "model/musculoskeletal_model.h"
 #include "pipeline/laboratory.h"
 #include "pipeline/prepare_options.h"
@@ -17,6 +18,7 @@ struct LabTrial {
   C3dFile file;  // markers are turned, parameters and computed trajectories are not
   std::vector<ForcePlatformRecording> plates;  // turned; not filtered yet
   Turn turn;
+  RecordingEdits edits;  // what was put right in the file before
 };
 
 /// Reads a C3D file whole and puts it right as the options say (pipeline/edit_options.h).

@@ -136,7 +136,25 @@ class Check {
     append(findings_, find_gap_faults(markers()));
     if (!inputs_.model) return;
     append(findings_, find_unmatched_markers(markers(), *inputs_.model));
-    append(findings_, find_size_faults(markers(), *inputs_.model));
+    std::vector<Finding> sizes = find_size_faults(markers(), *inputs_.model);
+    for (Finding& finding : sizes) {
+      if (finding.kind == "size") set_scaling(finding);
+    }
+    append(findings_, sizes);
+  }
+
+  // What scales the model to these markers; `sinew scale` reads TRC files.
+  void set_scaling(Finding& finding) const {
+    if (recording_.c3d) {
+      finding.command = "run";
+      finding.flags = {"--c3d", recording_.path, "--model", inputs_.model_path, "--scale", "walk"};
+      finding.advice = "or --static with a trial in which the subject stands";
+    } else {
+      finding.command = "scale";
+      finding.flags = {"--auto",        "--model", inputs_.model_path, "--markers",
+                       recording_.path, "--out",   "scaled.osim"};
+      finding.advice = "or --static for a trial in which the subject stands";
+    }
   }
 
   void check_forces() {

@@ -61,7 +61,7 @@ bool is_setup(const std::string& path) {
 
 }  // namespace
 
-void PreflightFiles::read(const std::string& path) {
+void PreflightFiles::read(const std::string& path, const RecordingEdits& edits) {
   std::error_code error;
   if (!fs::exists(path, error)) {
     throw InputError({path}, {"there is no such file", "", "", "Check the path."});
@@ -74,7 +74,7 @@ void PreflightFiles::read(const std::string& path) {
     } else if (is_setup(path)) {
       read_setup(path);
     } else {
-      read_recording(path);
+      read_recording(path, edits);
     }
   } catch (const InputError& problem) {
     findings_.push_back(of_input_error(path, problem));
@@ -106,16 +106,20 @@ void PreflightFiles::keep_model(const std::string& path, bool chosen) {
   model_is_chosen_ = chosen;
 }
 
-void PreflightFiles::read_recording(const std::string& path) {
+void PreflightFiles::read_recording(const std::string& path, const RecordingEdits& edits) {
   const Format format = format_of(path);
   if (format == Format::kC3d) {
-    recordings_.push_back(preflight_recording(c3d_files_.emplace_back(read_c3d(path))));
+    C3dFile& file = c3d_files_.emplace_back(read_c3d(path));
+    edit_recording(file, edits);
+    recordings_.push_back(preflight_recording(file));
     return;
   }
   if (format == Format::kTrc) {
     const TrcDescription description = read_trc_description(path);
-    recordings_.push_back(preflight_recording(marker_files_.emplace_back(read_trc(path)),
-                                              description.metres_per_unit, description.labels));
+    MarkerFile& file = marker_files_.emplace_back(read_trc(path));
+    edit_markers(file.markers, description.metres_per_unit, edits);
+    recordings_.push_back(
+        preflight_recording(file, description.metres_per_unit, description.labels));
     return;
   }
   TimeTableFile table = format == Format::kCsv ? read_csv(path) : read_storage(path);

@@ -7,6 +7,7 @@
 
 #include "data/c3d_file.h"
 #include "data/marker_trajectories.h"
+#include "data/recording_edits.h"
 #include "data/time_table.h"
 #include "model/musculoskeletal_model.h"
 #include "pipeline/preflight.h"
@@ -18,8 +19,9 @@ namespace sinew {
 class PreflightFiles {
  public:
   /// Reads C3D, TRC, MOT, STO, CSV, .osim or a setup, tasks or loads in XML, by its ending. Throws
-  /// InputError if there is no such file and for other endings.
-  void read(const std::string& path);
+  /// InputError if there is no such file and for other endings. C3D and TRC files are put right as
+  /// `edits` say before they are looked at; throws as edit_recording().
+  void read(const std::string& path, const RecordingEdits& edits = {});
   /// The model that markers are held against, rather than the first .osim among the files.
   void read_model(const std::string& path);
 
@@ -33,7 +35,7 @@ class PreflightFiles {
   const std::vector<Finding>& findings() const { return findings_; }
 
  private:
-  void read_recording(const std::string& path);
+  void read_recording(const std::string& path, const RecordingEdits& edits);
   void read_setup(const std::string& path);
   void keep_model(const std::string& path, bool chosen);
 

@@ -61,6 +61,7 @@ struct RunCommand {
                             {"static", lab.static_trial},
                             {"model", ik.model},
                             {"map", lab.map},
+                            {"marker_set", lab.marker_set},
                             {"tasks", ik.tasks},
                             {"loads", dynamics.loads},
                             {"scale_setup", lab.scale_setup}});
@@ -68,16 +69,6 @@ struct RunCommand {
     ik = job.ik;
     dynamics = job.dynamics;
     return job;
-  }
-
-  // Options that only mean something for a laboratory's files.
-  void require_no_lab_options() const {
-    const bool given = !lab.static_trial.empty() || lab.mass || lab.height || !lab.map.empty() ||
-                       !lab.scale_setup.empty() || !lab.assign.empty() || lab.no_scale;
-    if (!given) return;
-    throw std::invalid_argument(
-        "--static, --mass, --height, --scale, --scale-setup, --no-scale, --map and --assign belong "
-        "to a laboratory's trial: give it with --c3d FILE.c3d");
   }
 
   // Without any file the embedded walk is written to the output folder and run from there.
@@ -110,10 +101,11 @@ struct RunCommand {
     if (!lab.c3d.empty() || !lab.decisions.empty()) {
       lab_job = prepare(log, warnings);
     } else {
-      require_no_lab_options();
+      LabOptions::require_none(*command);
     }
     if (ik.model.empty() && ik.markers.empty()) use_example();
-    const IkInputs inputs = ik.inputs();
+    IkInputs inputs = ik.inputs();
+    inputs.name_unmatched = !lab_job;  // or else they were named before
     ik.require_files(inputs);
     InputFiles files = input_files(inputs);
     files.emplace_back("loads", dynamics.loads);

@@ -1,8 +1,12 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "data/c3d_reader.h"
+#include "data/c3d_writer.h"
 #include "data/trc_file.h"
 #include "tests/pipeline/command_line.h"
 #include "tests/pipeline/lab_trial.h"
@@ -136,6 +140,101 @@ TEST_F(LabRun, EditedDecisionsHold) {
   EXPECT_EQ(decision(json("said/decisions.json"), "marker cutoff")["value"], -1.0);
 }
 
+// A recording that is wrong in every way an option mends: names exchanged for a while, a stray
+// marker, channels with an offset and early.
+TEST_F(LabRun, OptionsPutARecordingRight) {
+  constexpr double kOffset = 25.0, kEarly = 0.02;  // [N or N m], [s]
+  C3dFile file = read_c3d(path() / "walk.c3d");
+  const auto marker = [&](const char* name) { return file.markers.find_marker(name); };
+  const int knee = marker("RKNE"), other = marker("LKNE"), thigh = marker("RTHI");
+  ASSERT_TRUE(knee >= 0 && other >= 0 && thigh >= 0);
+  for (int f = 60; f <= 65; ++f) {
+    const Eigen::RowVector3d kept = file.markers.p_WM.block<1, 3>(f, 3 * knee);
+    file.markers.p_WM.block<1, 3>(f, 3 * knee) = file.markers.p_WM.block<1, 3>(f, 3 * other);
+    file.markers.p_WM.block<1, 3>(f, 3 * other) = kept;
+  }
+  file.markers.p_WM.block<3, 3>(70, 3 * thigh).array() += 0.3;
+  const auto early = static_cast<Eigen::Index>(std::lround(kEarly * file.analog.rate));
+  const Eigen::Index rows = file.analog.values.rows();
+  const RowMatrix channels = file.analog.values;
+  file.analog.values.topRows(rows - early) = channels.bottomRows(rows - early);
+  file.analog.values.array() += kOffset;
+  write_c3d(path() / "spoiled.c3d", file);
+
+  // The step in the middle of the range, of which the platform is free before it.
+  const Arguments range = {"--model", "model.osim", "--no-scale", "--from", "0.55", "--to", "0.75"};
+  const auto run_range = [&](Arguments arguments) {
+    arguments.insert(arguments.end(), range.begin(), range.end());
+    return run(arguments);
+  };
+  ASSERT_EQ(run_range({"--c3d", "walk.c3d", "--out", "right"}).exit_code, 0);
+  // Where nothing stands, in the spoiled file's time.
+  std::map<int, std::string> unloaded;
+  for (int plate = 1; plate <= 6; ++plate) unloaded[plate] = fmt::format("{}@0-2.15", plate);
+  for (const auto& row : csv_rows(path() / "right/grf_contacts.csv")) {
+    if (row[0] == "platform") continue;
+    const double strike = std::stod(row[1]), off = std::stod(row[2]);
+    unloaded[std::stoi(row[0])] = strike > 0.3 ? fmt::format("{}@0-{}", row[0], strike - 0.1)
+                                               : fmt::format("{}@{}-2.15", row[0], off + 0.1);
+  }
+  Arguments mended = {"--c3d",  "spoiled.c3d",   "--swap",         "RKNE,LKNE@0.6-0.65",
+                      "--drop", "RTHI@0.7-0.72", "--shift-forces", "0.02",
+                      "--out",  "mended"};
+  for (const auto& [plate, time] : unloaded) {
+    mended.push_back("--zero-plates");
+    mended.push_back(time);
+  }
+  const Outcome outcome = run_range(mended);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "swap: RKNE,LKNE@0.6-0.65 (said by --swap) [--swap]"));
+  EXPECT_TRUE(holds(outcome.out, "shift forces: 0.02 (said by --shift-forces) [--shift-forces]"));
+  // What was mended is not complained about.
+  EXPECT_FALSE(holds(outcome.err, "--swap")) << outcome.err;
+  EXPECT_FALSE(holds(outcome.err, "--zero-plates")) << outcome.err;
+  const TimeTable torques = read_storage(path() / "mended/id.sto").table;
+  const TimeTable expected = read_storage(path() / "right/id.sto").table;
+  ASSERT_EQ(torques.labels, expected.labels);
+  // Three filled samples shake the thigh with 3 N; the offset left would be 25 N, forces early
+  // more.
+  EXPECT_LT((torques.values - expected.values).cwiseAbs().maxCoeff(), 4.0);
+  const Outcome again = run({"--decisions", "mended/decisions.json", "--out", "mended_again"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(content_of(path() / "mended_again/id.sto"), content_of(path() / "mended/id.sto"));
+
+  Json decisions = json("mended/decisions.json");
+  for (Json& d : decisions["decisions"]) {
+    if (d["name"] == "swap") d["value"] = 7;
+  }
+  std::ofstream(path() / "mended/decisions.json") << decisions.dump(2);
+  const Outcome wrong = run({"--decisions", "mended/decisions.json", "--out", "wrong"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(error_line(wrong, path()),
+            "mended/decisions.json: the value of decision 'swap' is of the wrong kind; expected a "
+            "list of texts, found 7. Correct the value.");
+}
+
+// What check proposes for a model of another size is a command that works.
+TEST_F(LabRun, ModelsOfAnotherSizeAreScaledAsCheckSays) {
+  const Outcome check =
+      run_sinew(path(), {"check", "walk.trc", "--model", "other.osim", "--json", "findings.json"});
+  const Json document = json("findings.json");
+  Arguments command;
+  for (const Json& finding : document["findings"]) {
+    if (finding["kind"] == "size") command = finding["flags"].get<Arguments>();
+  }
+  EXPECT_EQ(command, (Arguments{"--auto", "--model", "other.osim", "--markers", "walk.trc", "--out",
+                                "scaled.osim"}));
+  EXPECT_TRUE(holds(check.out,
+                    "sinew scale --auto --model other.osim --markers walk.trc --out "
+                    "scaled.osim\n"))
+      << check.out;
+  command.insert(command.begin(), "scale");
+  const Outcome scaled = run_sinew(path(), command);
+  ASSERT_EQ(scaled.exit_code, 0) << scaled.err;
+  run_sinew(path(), {"check", "walk.trc", "--model", "scaled.osim", "--json", "after.json"});
+  for (const Json& finding : json("after.json")["findings"]) EXPECT_NE(finding["kind"], "size");
+}
+
 TEST_F(LabRun, SetupsRepeatTheSteps) {
   ASSERT_EQ(run_true("setups").exit_code, 0);
   Outcome outcome = run_sinew(path(), {"ik", "--setup", "setups/ik_setup.xml", "--filled",
@@ -216,8 +315,10 @@ TEST_F(LabRun, WrongUsageIsTold) {
   EXPECT_EQ(error({"--c3d", "walk.c3d", "--markers", "walk.trc", "--model", "model.osim"}),
             "--c3d and --markers are two ways to give the same: leave one of them out");
   EXPECT_EQ(error({"--model", "model.osim", "--markers", "walk.trc", "--mass", "70"}),
-            "--static, --mass, --height, --scale, --scale-setup, --no-scale, --map and --assign "
-            "belong to a laboratory's trial: give it with --c3d FILE.c3d");
+            "--mass belongs to a laboratory's trial: give it with --c3d FILE.c3d, or leave it out");
+  EXPECT_EQ(error({"--model", "model.osim", "--markers", "walk.trc", "--swap", "A,B", "--up", "z"}),
+            "--swap, --up belong to a laboratory's trial: give it with --c3d FILE.c3d, or leave "
+            "them out");
   EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--no-scale", "--mass", "70"}),
             "--no-scale takes the model's masses as they are: leave --mass out, or --no-scale");
   EXPECT_EQ(
