@@ -223,8 +223,17 @@ struct RunCommand {
                    wires["most_strained"]["wire"].get<std::string>());
       }
     }
-    fmt::print("\ninverse dynamics: coordinates {}; residuals at the root:\n", filter_text(cutoff));
-    for (const auto& r : summary["inverse_dynamics"]["root_residuals"]) {
+    // Where loads are missing the residuals are the ground's.
+    const bool partly = summary.contains("loads") &&
+                        !summary["loads"]["root_residuals_where_complete"].is_null() &&
+                        summary["loads"]["complete_frames"] != summary["loads"]["frames"];
+    fmt::print("\ninverse dynamics: coordinates {}; residuals at the root{}:\n",
+               filter_text(cutoff),
+               partly ? fmt::format(" in the {} frames in which all loads are known",
+                                    summary["loads"]["complete_frames"].get<int>())
+                      : "");
+    for (const auto& r : partly ? summary["loads"]["root_residuals_where_complete"]
+                                : summary["inverse_dynamics"]["root_residuals"]) {
       fmt::print("  {:<28} RMS {:8.2f} max {:8.2f} {}\n", r["column"].get<std::string>(),
                  r["rms"].get<double>(), r["max"].get<double>(), r["unit"].get<std::string>());
     }

@@ -213,6 +213,34 @@ TEST_F(LabRun, OptionsPutARecordingRight) {
             "list of texts, found 7. Correct the value.");
 }
 
+// Against the times that the walk was made with, which are also the file's events. Forces rise and
+// fall smoothly, so that the threshold is crossed 2 % of a stride late and early; Zeni et al.
+// (2008) find markers and forces one or two frames of 60 Hz apart.
+TEST_F(LabRun, EachSourceFindsTheFeetsEvents) {
+  ASSERT_EQ(
+      run_sinew(path(), {"convert", "walk.c3d", "--what", "events", "--out", "e.csv"}).exit_code,
+      0);
+  int by_forces = 0, by_markers = 0;
+  const auto rows = csv_rows(path() / "e.csv");
+  ASSERT_EQ(rows.size(), 10u);
+  for (const auto& row : rows) {
+    if (row[0] == "time") continue;
+    ASSERT_EQ(row.size(), 8u);
+    const double truth = std::stod(row[6]);
+    // Strikes every half stride of 1.1 s, the feet leave after 62 % of it.
+    const double phase = row[3] == "toe off" ? 0.62 * 1.1 : 0.0;
+    EXPECT_NEAR(std::remainder(truth - phase, 0.55), 0.0, 1e-6) << row[0];
+    for (const std::string& source : {row[5], row[7]}) {
+      if (source.empty()) continue;
+      EXPECT_NEAR(std::stod(source), truth, 0.022) << row[0];
+    }
+    by_forces += row[5].empty() ? 0 : 1;
+    by_markers += row[7].empty() ? 0 : 1;
+  }
+  EXPECT_EQ(by_forces, 8);   // not the strike with which the record ends
+  EXPECT_EQ(by_markers, 7);  // nor that with which it begins
+}
+
 // What check proposes for a model of another size is a command that works.
 TEST_F(LabRun, ModelsOfAnotherSizeAreScaledAsCheckSays) {
   const Outcome check =
