@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
+#include "data/carried_mass.h"
 #include "data/input_file.h"
 #include "data/marker_matching.h"
 #include "data/output_file.h"
@@ -28,6 +30,9 @@ namespace fs = std::filesystem;
 constexpr double kThreshold = 20.0;  // [N]
 
 constexpr double kWorthSaying = 0.6;  // likely or more
+
+// What clothes, shoes and an unsteady walk make of a mass.
+constexpr double kMassTolerance = 0.03;
 
 constexpr const char* kModel = "model.osim";
 constexpr const char* kGeneric = "model_generic.osim";
@@ -189,6 +194,20 @@ class Preparation {
     job_.dynamics.loads = (folder_ / kLoads).string();
     job_.coverage = load_coverage(markers, assignment, walk.plates);
     write_file_atomically(folder_ / kCoverage, load_coverage_csv(*job_.coverage, markers.time));
+    compare_mass(stride_mass(assignment, *job_.coverage, markers.time, walk.plates));
+  }
+
+  void compare_mass(const std::optional<StrideMass>& carried) {
+    if (!carried) return;
+    double mass = 0.0;
+    for (const Body& body : model_.bodies) mass += body.mass;
+    if (std::abs(mass - carried->mass) <= kMassTolerance * carried->mass) return;
+    report(
+        warnings_,
+        {{{options_.c3d},
+          fmt::format("the platforms carry {0:.1f} kg over {1} stride{2}, the model has {3:.1f} "
+                      "kg: forces at the root take the difference; --mass {0:.1f} scales it",
+                      carried->mass, carried->strides, carried->strides == 1 ? "" : "s", mass)}});
   }
 
   // Paths are relative, so that the folder can be moved; those of the user's own files are not.

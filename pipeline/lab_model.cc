@@ -4,10 +4,10 @@
 
 #include <stdexcept>
 
+#include "data/carried_mass.h"
 #include "data/input_file.h"
 #include "data/marker_synonyms.h"
 #include "data/output_file.h"
-#include "data/standing_mass.h"
 #include "model/osim_file.h"
 #include "model/osim_writer.h"
 #include "model/whole_body.h"

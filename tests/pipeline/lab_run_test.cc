@@ -213,6 +213,56 @@ TEST_F(LabRun, OptionsPutARecordingRight) {
             "list of texts, found 7. Correct the value.");
 }
 
+// The walk's body has 75 kg; that of another height, taken as it is, has 60.
+TEST_F(LabRun, PlatformsContradictAModelOfAnotherMass) {
+  const Arguments short_walk = {"--c3d", "walk.c3d", "--from", "0.6", "--to", "0.65"};
+  const auto warnings = [&](const char* model, const char* out) {
+    Arguments arguments = short_walk;
+    arguments.insert(arguments.end(), {"--model", model, "--no-scale", "--out", out});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err;
+  };
+  const std::string other = warnings("other.osim", "light");
+  const std::string before = "the platforms carry ";
+  const std::size_t at = other.find(before);
+  ASSERT_NE(at, std::string::npos) << other;
+  EXPECT_NEAR(std::stod(other.substr(at + before.size())), 75.0, 0.75);
+  EXPECT_TRUE(holds(other,
+                    " kg over 1 stride, the model has 60.0 kg: forces at the root take the "
+                    "difference; --mass 75."))
+      << other;
+  EXPECT_FALSE(holds(warnings("model.osim", "true_mass"), "the platforms carry"));
+}
+
+// Two people in one trial, of whom one wears fewer markers.
+TEST_F(LabRun, OneOfSeveralSubjectsIsTaken) {
+  MarkerTrajectories anna = read_trc(path() / "walk.trc").markers, both = anna;
+  for (std::string& name : both.names) name = "Anna:" + name;
+  for (int m = 0; m < anna.marker_count(); ++m) {
+    const std::string& name = anna.names[static_cast<std::size_t>(m)];
+    if (name == "C7" || name == "CLAV") continue;
+    both.names.push_back("Bert:" + name);
+    both.p_WM.conservativeResize(Eigen::NoChange, both.p_WM.cols() + 3);
+    both.p_WM.rightCols<3>() = anna.p_WM.middleCols<3>(3 * m);
+    both.p_WM.rightCols<1>().array() += 1.0;  // a metre to the right
+  }
+  write_trc(path() / "both.trc", both);
+  const auto pelvis_tz = [&](const Arguments& more, const char* out, const std::string& subject) {
+    Arguments arguments = {"--c3d", "both.trc", "--model", "model.osim", "--no-scale", "--from",
+                           "0.5",   "--to",     "0.55",    "--out",      out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(decision(json(std::string(out) + "/decisions.json"), "subject")["value"], subject);
+    const TimeTable motion = read_storage(path() / out / "ik.mot").table;
+    return motion.values(0, motion.find_column("pelvis_tz"));
+  };
+  const double first = pelvis_tz({}, "anna", "Anna");
+  const double second = pelvis_tz({"--subject", "Bert"}, "bert", "Bert");
+  EXPECT_NEAR(second - first, 1.0, 1e-3);
+}
+
 // Against the times that the walk was made with, which are also the file's events. Forces rise and
 // fall smoothly, so that the threshold is crossed 2 % of a stride late and early; Zeni et al.
 // (2008) find markers and forces one or two frames of 60 Hz apart.

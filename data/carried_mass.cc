@@ -1,4 +1,4 @@
-#include "data/standing_mass.h"
+#include "data/carried_mass.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +25,18 @@ std::vector<double> total_force(const std::vector<ForcePlatformRecording>& plate
     }
   }
   return total;
+}
+
+constexpr double kLeastStride = 0.4, kLongestStride = 2.5;  // [s]
+
+// Whether all that acts on the feet is known from one time to another.
+bool complete_between(const LoadCoverage& coverage, const Eigen::VectorXd& time, double from,
+                      double to) {
+  for (Eigen::Index f = 0; f < time.size(); ++f) {
+    if (time[f] < from || time[f] > to) continue;
+    if (!coverage.complete(static_cast<std::size_t>(f))) return false;
+  }
+  return true;
 }
 
 double middle(std::vector<double> values) {
@@ -54,6 +66,36 @@ std::optional<double> standing_mass(const std::vector<ForcePlatformRecording>& p
   const auto begin = total.begin() + static_cast<std::ptrdiff_t>(longest_first);
   const double sum = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(longest), 0.0);
   return sum / static_cast<double>(longest) / kGravity;
+}
+
+std::optional<StrideMass> stride_mass(const FootAssignment& assignment,
+                                      const LoadCoverage& coverage, const Eigen::VectorXd& time,
+                                      const std::vector<ForcePlatformRecording>& plates) {
+  const std::vector<double> total = total_force(plates);
+  if (total.empty() || time.size() < 2) return std::nullopt;
+  const double rate = plates.front().rate;
+  StrideMass found;
+  for (const PlateContact& strike : assignment.contacts) {
+    // A contact that the record begins with has no strike.
+    if (strike.state != PlateContact::State::kAssigned || strike.from <= time[1]) continue;
+    double next = INFINITY;
+    for (const PlateContact& other : assignment.contacts) {
+      const bool follows = other.foot == strike.foot && other.from - strike.from > kLeastStride &&
+                           other.state == PlateContact::State::kAssigned;
+      if (follows) next = std::min(next, other.from);
+    }
+    if (next - strike.from > kLongestStride) continue;
+    if (!complete_between(coverage, time, strike.from, next)) continue;
+    const auto first = static_cast<std::ptrdiff_t>(std::lround(strike.from * rate)),
+               end = static_cast<std::ptrdiff_t>(std::lround(next * rate));
+    if (end > static_cast<std::ptrdiff_t>(total.size())) continue;
+    const double sum = std::accumulate(total.begin() + first, total.begin() + end, 0.0);
+    found.mass += sum / static_cast<double>(end - first) / kGravity;
+    ++found.strides;
+  }
+  if (found.strides == 0) return std::nullopt;
+  found.mass /= found.strides;
+  return found;
 }
 
 }  // namespace sinew
