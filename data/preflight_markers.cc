@@ -221,41 +221,6 @@ void find_same_places(const MarkerTrajectories& markers, double distance,
   findings.push_back(std::move(finding));
 }
 
-struct GapClass {
-  double longest;
-  Severity severity;
-  double confidence;
-  std::vector<std::string> flags;
-  const char* what;
-  const char* advice;
-};
-
-Finding describe_gaps(const MarkerTrajectories& markers, const std::vector<MarkerGap>& gaps,
-                      const GapClass& of) {
-  std::map<int, int> by_marker;
-  for (const MarkerGap& gap : gaps) ++by_marker[gap.marker];
-  std::vector<std::string> names;
-  // Gaps come longest first, and so do the names.
-  for (const MarkerGap& gap : gaps) {
-    const std::string& name = name_of(markers, gap.marker);
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
-  const MarkerGap& longest = gaps.front();
-  Finding finding;
-  finding.severity = of.severity;
-  finding.kind = "gap";
-  finding.where = list_names(names);
-  finding.confidence = of.confidence;
-  set_frames(finding, markers, longest.first, longest.first + longest.count - 1);
-  finding.text =
-      fmt::format("{} gap{} {}; the longest, of {} frames ({} s), is in {}", gaps.size(),
-                  gaps.size() == 1 ? "" : "s", of.what, longest.count,
-                  time_text(longest.count / markers.rate), name_of(markers, longest.marker));
-  finding.flags = of.flags;
-  finding.advice = of.advice;
-  return finding;
-}
-
 }  // namespace
 
 void MarkerCheckOptions::validate() const {
@@ -271,73 +236,6 @@ void MarkerCheckOptions::validate() const {
   if (short_gap < long_gap) return;
   throw std::invalid_argument(fmt::format(
       "MarkerCheckOptions::short_gap is {}; it must be below long_gap, {}", short_gap, long_gap));
-}
-
-std::vector<Finding> find_timing_faults(const MarkerTrajectories& markers,
-                                        const MarkerCheckOptions& options) {
-  options.validate();
-  std::vector<Finding> findings;
-  const int frames = markers.frame_count();
-  const auto add = [&](Severity severity, const char* kind, std::string text, double confidence) {
-    Finding finding;
-    finding.severity = severity;
-    finding.kind = kind;
-    finding.text = std::move(text);
-    finding.confidence = confidence;
-    findings.push_back(std::move(finding));
-    return &findings.back();
-  };
-  if (frames == 0) return findings;
-  if (const int first = markers.frame_numbers.front(); first != 1) {
-    add(Severity::kNote, "first frame",
-        fmt::format("the first frame has the number {}; its time is {} s", first,
-                    time_text(markers.time[0])),
-        1.0)
-        ->advice = "--from and --to count seconds of these times";
-  }
-  if (markers.rate < options.least_rate) {
-    add(Severity::kNote, "rate",
-        fmt::format("{} frames per second leave heel strikes between two frames",
-                    text::format_number(markers.rate)),
-        0.9)
-        ->advice = "record at 100 Hz or more";
-  }
-  if (frames < 3) return findings;
-  const double mean = (markers.time[frames - 1] - markers.time[0]) / (frames - 1);
-  int odd = 0, worst = 1;
-  for (int f = 1; f < frames; ++f) {
-    const auto off = [&](int g) { return std::abs(markers.time[g] - markers.time[g - 1] - mean); };
-    if (off(f) > options.step_tolerance * mean) ++odd;
-    if (off(f) > off(worst)) worst = f;
-  }
-  if (odd > 0) {
-    Finding* finding =
-        add(Severity::kWarning, "rate",
-            fmt::format("{} of {} steps of time differ from the mean, {} s, by more than {:.0f} %; "
-                        "one is {} s",
-                        odd, frames - 1, time_text(mean), 100.0 * options.step_tolerance,
-                        time_text(markers.time[worst] - markers.time[worst - 1])),
-            0.95);
-    set_frames(*finding, markers, worst - 1, worst);
-    finding->flags = {"--rate", text::format_number(std::round(1.0 / mean))};
-  }
-  // Rates in headers are rounded to some digits, times to milliseconds.
-  if (std::abs(markers.rate * mean - 1.0) > 0.02) {
-    add(Severity::kWarning, "rate",
-        fmt::format("the file's rate is {} Hz, its times step at {:.6g} Hz",
-                    text::format_number(markers.rate), 1.0 / mean),
-        0.95)
-        ->flags = {"--rate", text::format_number(std::round(1.0 / mean))};
-  }
-  int missing = 0;
-  for (std::size_t f = 1; f < markers.frame_numbers.size(); ++f) {
-    missing += std::max(0, markers.frame_numbers[f] - markers.frame_numbers[f - 1] - 1);
-  }
-  if (missing > 0 && odd > 0) {
-    add(Severity::kWarning, "rate", fmt::format("{} frame numbers are left out", missing), 0.95)
-        ->flags = {"--rate", text::format_number(std::round(markers.rate))};
-  }
-  return findings;
 }
 
 std::vector<Finding> find_static_markers(const MarkerTrajectories& markers,
@@ -435,52 +333,6 @@ std::vector<Finding> find_stray_markers(const MarkerTrajectories& markers,
     finding.confidence = 0.85;
     finding.text = fmt::format("is {:.3g} m from the middle of the others", distance[i] / seen[i]);
     findings.push_back(std::move(finding));
-  }
-  return findings;
-}
-
-std::vector<MarkerGap> find_inner_gaps(const MarkerTrajectories& markers) {
-  std::vector<MarkerGap> gaps = find_gaps(markers);
-  std::erase_if(gaps, [&](const MarkerGap& gap) {
-    return gap.first == 0 || gap.first + gap.count == markers.frame_count();
-  });
-  std::stable_sort(gaps.begin(), gaps.end(),
-                   [](const MarkerGap& a, const MarkerGap& b) { return a.count > b.count; });
-  return gaps;
-}
-
-std::vector<Finding> find_gap_faults(const MarkerTrajectories& markers,
-                                     const MarkerCheckOptions& options) {
-  options.validate();
-  // A thousandth of a step on top, so that lengths that are whole frames are within.
-  const double step = 1.0 / markers.rate;
-  const std::string by_spline = time_text(options.short_gap);
-  const GapClass classes[] = {
-      {std::numeric_limits<double>::infinity(),
-       Severity::kWarning,
-       0.9,
-       {"--fill-rigid"},
-       "longer than half a second",
-       "fills it where three markers of the same segment are seen; else weigh the marker 0"},
-      {options.long_gap, Severity::kNote, 0.9, {"--fill-rigid"}, "of medium length", ""},
-      {options.short_gap,
-       Severity::kNote,
-       0.95,
-       {"--max-gap", by_spline},
-       "short enough for a spline",
-       ""}};
-  std::vector<Finding> findings;
-  const std::vector<MarkerGap> gaps = find_inner_gaps(markers);
-  for (std::size_t k = 0; k < std::size(classes); ++k) {
-    const double shortest = k + 1 < std::size(classes) ? classes[k + 1].longest : 0.0;
-    std::vector<MarkerGap> within;
-    for (const MarkerGap& gap : gaps) {
-      const double length = gap.count * step;
-      if (length <= classes[k].longest + 1e-3 * step && length > shortest + 1e-3 * step) {
-        within.push_back(gap);
-      }
-    }
-    if (!within.empty()) findings.push_back(describe_gaps(markers, within, classes[k]));
   }
   return findings;
 }

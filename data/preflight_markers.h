@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "data/finding.h"
-#include "data/gap_filling.h"
 #include "data/marker_trajectories.h"
 
 namespace sinew {
@@ -32,11 +31,6 @@ struct MarkerCheckOptions {
   void validate() const;
 };
 
-/// Kind `rate`: steps of time that differ, missing frames, a rate that the times contradict or that
-/// is low; kind `first frame`: numbers that do not begin at 1.
-std::vector<Finding> find_timing_faults(const MarkerTrajectories& markers,
-                                        const MarkerCheckOptions& options = {});
-
 /// Kind `static`: a marker that stays in its place while the others move, or that is held at
 /// exactly one place for a while. `--drop NAME`, `--drop NAME@FROM-TO`. Frames in which fewer than
 /// three others are measured tell nothing. O(frames · markers).
@@ -56,12 +50,5 @@ std::vector<Finding> find_duplicate_markers(const MarkerTrajectories& markers,
 /// Kind `stray`: markers that are nowhere near the others. `--drop`.
 std::vector<Finding> find_stray_markers(const MarkerTrajectories& markers,
                                         const MarkerCheckOptions& options = {});
-
-/// Gaps between two measured samples of a marker, longest first: what may be filled.
-std::vector<MarkerGap> find_inner_gaps(const MarkerTrajectories& markers);
-
-/// Kind `gap`: one finding for each class of length: `--max-gap`, `--fill-rigid`, or none.
-std::vector<Finding> find_gap_faults(const MarkerTrajectories& markers,
-                                     const MarkerCheckOptions& options = {});
 
 }  // namespace sinew

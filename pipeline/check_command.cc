@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "data/output_file.h"
-#include "data/preflight_markers.h"
+#include "data/preflight_gaps.h"
 #include "pipeline/check_report.h"
 #include "pipeline/command.h"
 #include "pipeline/gait_event_options.h"

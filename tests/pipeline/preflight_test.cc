@@ -8,7 +8,9 @@
 
 #include "data/c3d_writer.h"
 #include "data/marker_names.h"
+#include "data/preflight_gaps.h"
 #include "data/preflight_markers.h"
+#include "data/preflight_rate.h"
 #include "data/preflight_sides.h"
 #include "data/preflight_swaps.h"
 #include "data/preflight_timing.h"
