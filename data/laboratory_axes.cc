@@ -44,15 +44,7 @@ AxisDecision decide(const Vector3d& direction, double confidence, std::string re
 
 // From the feet to head, trunk or pelvis, by names, over all frames.
 Vector3d upright_by_names(const MarkerTrajectories& markers) {
-  std::vector<int> high, low;
-  for (int i = 0; i < markers.marker_count(); ++i) {
-    const MarkerPlace place = parse_marker_name(markers.names[static_cast<std::size_t>(i)]).place;
-    if (place == MarkerPlace::kFoot) low.push_back(i);
-    if (place == MarkerPlace::kHead || place == MarkerPlace::kTrunk ||
-        place == MarkerPlace::kPelvis) {
-      high.push_back(i);
-    }
-  }
+  const auto [low, high] = low_and_high_markers(markers.names);
   Vector3d sum = Vector3d::Zero();
   for (int frame = 0; frame < markers.frame_count(); ++frame) {
     const Vector3d d = mean_position(markers, frame, high) - mean_position(markers, frame, low);

@@ -88,6 +88,19 @@ MarkerName parse_marker_name(const std::string& name) {
   return result;
 }
 
+LowAndHighMarkers low_and_high_markers(const std::vector<std::string>& names) {
+  LowAndHighMarkers markers;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const MarkerPlace place = parse_marker_name(names[i]).place;
+    if (place == MarkerPlace::kFoot) markers.low.push_back(static_cast<int>(i));
+    if (place == MarkerPlace::kHead || place == MarkerPlace::kTrunk ||
+        place == MarkerPlace::kPelvis) {
+      markers.high.push_back(static_cast<int>(i));
+    }
+  }
+  return markers;
+}
+
 std::vector<MarkerPair> find_marker_pairs(const std::vector<std::string>& names) {
   std::map<std::string, int> left;
   for (std::size_t i = 0; i < names.size(); ++i) {

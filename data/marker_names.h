@@ -19,6 +19,12 @@ struct MarkerName {
 };
 MarkerName parse_marker_name(const std::string& name);
 
+/// Markers of the feet, and those of pelvis, trunk and head, as indices.
+struct LowAndHighMarkers {
+  std::vector<int> low, high;
+};
+LowAndHighMarkers low_and_high_markers(const std::vector<std::string>& names);
+
 /// A left marker and the right one of the same name, as indices.
 struct MarkerPair {
   int left = 0, right = 0;

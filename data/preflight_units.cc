@@ -58,15 +58,7 @@ void UnitCheckOptions::validate() const {
 }
 
 BodySize body_size(const MarkerTrajectories& markers) {
-  std::vector<int> high, low;
-  for (int i = 0; i < markers.marker_count(); ++i) {
-    const MarkerPlace place = parse_marker_name(markers.names[static_cast<std::size_t>(i)]).place;
-    if (place == MarkerPlace::kFoot) low.push_back(i);
-    if (place == MarkerPlace::kHead || place == MarkerPlace::kTrunk ||
-        place == MarkerPlace::kPelvis) {
-      high.push_back(i);
-    }
-  }
+  const auto [low, high] = low_and_high_markers(markers.names);
   std::vector<double> heights, sizes;
   const int step = std::max(1, markers.frame_count() / kFrames);
   for (int frame = 0; frame < markers.frame_count(); frame += step) {

@@ -32,9 +32,9 @@ void report(std::vector<Warning>& all, const std::vector<Warning>& more) {
   }
 }
 
-std::function<bool(int, int)> progress_bar(std::string what) {
+std::function<bool(int, int)> progress_bar(std::string what, std::string steps) {
   struct State {
-    std::string what;
+    std::string what, steps;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     std::chrono::steady_clock::time_point last = start;
     bool shown = false;
@@ -42,12 +42,14 @@ std::function<bool(int, int)> progress_bar(std::string what) {
   watch_interrupts();
   auto state = std::make_shared<State>();
   state->what = std::move(what);
+  state->steps = std::move(steps);
   return [state](int done, int total) {
     using namespace std::chrono_literals;
     const auto now = std::chrono::steady_clock::now();
     const bool finished = done >= total;
     if (now - state->start > 2s && (now - state->last > 200ms || (finished && state->shown))) {
-      fmt::print(stderr, "\r{}: {} of {} frames{}", state->what, done, total, finished ? "\n" : "");
+      fmt::print(stderr, "\r{}: {} of {} {}{}", state->what, done, total, state->steps,
+                 finished ? "\n" : "");
       std::fflush(stderr);
       state->last = now;
       state->shown = true;

@@ -29,14 +29,17 @@ void add_bench_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);
 void add_convert_command(CLI::App& app, int& exit_code);
 void add_model_command(CLI::App& app, int& exit_code);
+void add_scale_command(CLI::App& app, int& exit_code);
+void add_compare_command(CLI::App& app, int& exit_code);
 
 /// Appends the warnings that are not in `all` yet (readers share some) and prints these to standard
 /// error, one a line.
 void report(std::vector<Warning>& all, const std::vector<Warning>& more);
 
-/// A progress bar on standard error that appears only after two seconds, and stops work on Ctrl-C:
-/// returns false then. Calls watch_interrupts().
-std::function<bool(int done, int total)> progress_bar(std::string what);
+/// A progress bar on standard error, `what: 3 of 200 steps`, that appears only after two seconds,
+/// and stops work on Ctrl-C: returns false then. Calls watch_interrupts().
+std::function<bool(int done, int total)> progress_bar(std::string what,
+                                                      std::string steps = "frames");
 
 /// From here on Ctrl-C asks for a stop instead of ending the process; a second one ends it. Outputs
 /// that are being written are completed.

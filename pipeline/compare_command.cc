@@ -1,5 +1,3 @@
-#include "pipeline/compare_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -115,7 +115,7 @@ ScaledModel scale_by_markers(const GenericModel& generic, const MarkerFile& reco
   job.options.threads = threads;
   job.options.name_unmatched = false;
   job.technical = settle_technical(generic.model, recording.markers, log);
-  job.options.progress = progress_bar("scaling");
+  job.options.progress = progress_bar("scaling", "steps at most");
   ScaledModel scaled = run_auto_scale(job);
   if (scaled.automatic && scaled.automatic->stopped) {
     throw std::runtime_error("stopped; nothing was solved");

@@ -7,8 +7,6 @@
 #include <vector>
 
 #include "pipeline/command.h"
-#include "pipeline/compare_command.h"
-#include "pipeline/scale_command.h"
 #include "pipeline/version.h"
 
 namespace {

@@ -1,5 +1,3 @@
-#include "pipeline/scale_command.h"
-
 #include <fmt/format.h>
 
 #include <memory>
@@ -72,7 +70,7 @@ struct AutoOptions {
     result.axes = uniform ? AutoScaleOptions::Axes::kUniform : AutoScaleOptions::Axes::kEach;
     result.tie_sides = !free_sides;
     for (const std::string& group : groups) result.groups.push_back(split_names(group));
-    result.progress = progress_bar("fitting sizes");
+    result.progress = progress_bar("fitting sizes", "steps at most");
     return result;
   }
 };

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "data/c3d_file.h"
 #include "data/force_platform.h"
 #include "tests/fuzz/reading.h"
@@ -15,25 +13,14 @@ void check(const C3dFile& file) {
   const MarkerTrajectories& markers = file.markers;
   const Eigen::Index frames = markers.time.size();
   fuzz::require(file.layout.frames == frames, "as many frames as the layout says");
-  fuzz::require(markers.p_WM.rows() == frames && markers.p_WM.cols() == 3 * markers.marker_count(),
-                "a position for each frame and marker");
+  fuzz::require_trajectories(markers);
   fuzz::require(markers.frame_numbers.size() == static_cast<std::size_t>(frames),
                 "a number for each frame");
   fuzz::require(file.analog.values.rows() == frames * file.layout.analog_ratio &&
                     file.analog.values.cols() == file.analog.channel_count(),
                 "a sample for each frame and channel");
   fuzz::require(file.computed.values.cols() == 3 * file.computed.count(), "three numbers each");
-  fuzz::require(std::isfinite(markers.rate) && markers.rate > 0.0, "a rate");
   fuzz::require(file.metres_per_unit > 0.0, "a unit");
-  for (Eigen::Index i = 1; i < frames; ++i) {
-    fuzz::require(markers.time[i] > markers.time[i - 1], "time increases");
-  }
-  for (int frame = 0; frame < frames; ++frame) {
-    for (int marker = 0; marker < markers.marker_count(); ++marker) {
-      const Eigen::Vector3d p = markers.position(frame, marker);
-      fuzz::require(p.allFinite() || p.array().isNaN().all(), "a position whole or missing");
-    }
-  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -57,6 +58,22 @@ void require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %s\n", what);
   std::abort();
+}
+
+void require_trajectories(const MarkerTrajectories& markers) {
+  const Eigen::Index frames = markers.time.size();
+  require(markers.p_WM.rows() == frames && markers.p_WM.cols() == 3 * markers.marker_count(),
+          "a position for each frame and marker");
+  require(std::isfinite(markers.rate) && markers.rate > 0.0, "a rate");
+  for (Eigen::Index i = 1; i < frames; ++i) {
+    require(markers.time[i] > markers.time[i - 1], "time increases");
+  }
+  for (int frame = 0; frame < frames; ++frame) {
+    for (int marker = 0; marker < markers.marker_count(); ++marker) {
+      const Eigen::Vector3d p = markers.position(frame, marker);
+      require(p.allFinite() || p.array().isNaN().all(), "a position whole or missing");
+    }
+  }
 }
 
 }  // namespace sinew::fuzz

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "data/marker_trajectories.h"
+
 /// What the fuzzers share. An input that a reader refuses with an InputError is fine; everything
 /// else that it throws, a crash, a time-out, too much memory and a result that contradicts itself
 /// are findings.
@@ -32,5 +34,9 @@ inline std::size_t allowance(std::size_t file_bytes, std::size_t constant) {
 
 /// Stops the program, naming `what`, if `holds` is false.
 void require(bool holds, const char* what);
+
+/// That each frame has a time, later than the one before, and each marker a position in it, whole
+/// or missing, at a rate.
+void require_trajectories(const MarkerTrajectories& markers);
 
 }  // namespace sinew::fuzz

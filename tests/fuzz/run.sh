@@ -21,7 +21,6 @@ if ! clang++ -fsanitize=fuzzer,address "$work/probe.cc" -o "$work/probe" 2>/dev/
   exit 77
 fi
 
-export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 cmake --preset fuzz >"$work/configure.log" || { cat "$work/configure.log"; exit 1; }
 cmake --build --preset fuzz -j "$(nproc)" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 build/fuzz/bin/make_seeds "$work/seeds"

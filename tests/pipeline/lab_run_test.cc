@@ -307,6 +307,7 @@ TEST_F(LabRun, ModelsOfAnotherSizeAreScaledAsCheckSays) {
                     "scaled.osim\n"))
       << check.out;
   command.insert(command.begin(), "scale");
+  command.insert(command.end(), {"--frames", "4", "--uniform"});  // for time
   const Outcome scaled = run_sinew(path(), command);
   ASSERT_EQ(scaled.exit_code, 0) << scaled.err;
   run_sinew(path(), {"check", "walk.trc", "--model", "scaled.osim", "--json", "after.json"});
