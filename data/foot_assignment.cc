@@ -19,6 +19,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLongestBreak = 0.03, kShortestContact = 0.05;  // [s]
 // Half a foot's width and what markers, corners and centres of pressure are off.
 constexpr double kNear = 0.1;  // [m]
+// The length of a foot: the pressure may be at its other end where only heel or toe is measured.
+constexpr double kNearLoneMarker = 0.25;  // [m]
 // Heel and toe markers stick out of a foot by 1 to 2 cm, corners are measured to one.
 constexpr double kOverEdge = 0.05;  // [m]
 constexpr double kLeastShare = 0.5;
@@ -133,7 +135,8 @@ class Assigner {
         nearest = std::min(nearest, distance_outside(plate.platform, p));
       }
       if (nearest < 0.0) ++fit.standing_on;
-      if (distance_to_foot(foot, plate.center.row(sample).transpose()) > kNear) continue;
+      const double near = foot.size() == 1 ? kNearLoneMarker : kNear;
+      if (distance_to_foot(foot, plate.center.row(sample).transpose()) > near) continue;
       ++fit.fitting;
       fit.outside.push_back(farthest);
     }

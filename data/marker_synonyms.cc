@@ -35,7 +35,7 @@ constexpr Site kSides[] = {
     {"ank", "ank ankle anklelat anklelateral lmal lma fal mall latankle lankle latmall llmal lam"},
     {"med", "med anklemed anklemedial mmal mma tam medankle ankm mank mankle mmall medmall mam"},
     {"hee", "hee heel cal calc calcaneus fcc"},
-    {"toe", "toe mt2 met2 2mt smh mth2 toemid"},
+    {"toe", "toe to mt2 met2 2mt smh mth2 toemid"},
     {"mt5", "mt5 met5 5mt toelat vmh mth5 fifthmet"},
     {"mt1", "mt1 met1 1mt toemed fmh mth1 firstmet"},
     {"hlx", "hlx hallux bigtoe"},
@@ -52,9 +52,9 @@ constexpr Site kMidline[] = {
 
 // What names of wands and clusters on a limb begin with, without side, separators and case.
 constexpr const char* kTechnical[] = {
-    "thi", "thap", "thad",     "thl", "thr",     "th1", "th2",     "th3",   "th4",
-    "tib", "tiap", "tiad",     "sk1", "sk2",     "sk3", "sk4",     "shank", "shk",
-    "leg", "upa",  "upperarm", "frm", "forearm", "bak", "cluster", "wand"};
+    "thi", "thap", "thad", "thl",      "thr", "th1",     "th2", "th3",     "th4",
+    "tib", "tiap", "tiad", "sk1",      "sk2", "sk3",     "sk4", "shank",   "shk",
+    "sha", "leg",  "upa",  "upperarm", "frm", "forearm", "bak", "cluster", "wand"};
 
 std::map<std::string, std::string, std::less<>> index_of(const auto& sites) {
   std::map<std::string, std::string, std::less<>> index;

@@ -158,12 +158,18 @@ void Articulated::add_joint_curvature(const Iterate& at, int link_index,
   const Vector6d& f = ws.f[static_cast<std::size_t>(link_index)];
   if (link.kind == KinematicTree::Kind::kFree) {
     // The shift comes before the turn, whose exponential needs nothing within itself.
-    for (int i = 3; i < static_cast<int>(columns.size()); ++i) {
-      const Vector6d moved =
-          commutator(f, ws.S[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])]);
-      for (int j = 0; j < 3; ++j) {
-        const double h =
-            0.5 * ws.S[static_cast<std::size_t>(columns[static_cast<std::size_t>(j)])].dot(moved);
+    const auto shifts = [&](Eigen::Index i) {
+      return columns[static_cast<std::size_t>(i)] - link.first_v >= 3;
+    };
+    const auto twist = [&](Eigen::Index i) -> const Vector6d& {
+      return ws.S[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])];
+    };
+    for (Eigen::Index i = 0; i < D.cols(); ++i) {
+      if (!shifts(i)) continue;
+      const Vector6d moved = commutator(f, twist(i));
+      for (Eigen::Index j = 0; j < D.cols(); ++j) {
+        if (shifts(j)) continue;
+        const double h = 0.5 * twist(j).dot(moved);
         D(i, j) += h;
         D(j, i) += h;
       }

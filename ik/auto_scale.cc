@@ -27,6 +27,7 @@ using Eigen::VectorXd;
 struct Sample {
   MarkerFile file;
   double weight = 0.0;  // w/σ² of every frame [1/m²]
+  IkTaskSet tasks;      // its markers, and the posture of what they leave open
 };
 
 // One frame of one sample, and its pose, from which the next search starts.
@@ -49,7 +50,8 @@ struct Compiled {
     options.name_unmatched = name_unmatched;
     options.wires.use = WireOptions::Use::kNone;  // how long muscles are is not known yet
     for (const Sample& sample : samples) {
-      problems.push_back(bind_recording(model, tree, sample.file, nullptr, nullptr, options));
+      const IkTaskSet* tasks = sample.tasks.tasks.empty() ? nullptr : &sample.tasks;
+      problems.push_back(bind_recording(model, tree, sample.file, tasks, nullptr, options));
     }
   }
 };
@@ -77,6 +79,41 @@ Sample take_frames(const AutoScaleTrial& trial, const AutoScaleOptions& options)
   sample.weight =
       std::min(1.0, options.independent_frames / count) / (options.marker_sd * options.marker_sd);
   return sample;
+}
+
+// The frame in which most markers are measured.
+int fullest_frame(const MarkerTrajectories& markers) {
+  Eigen::Index frame = 0;
+  markers.p_WM.array().isFinite().rowwise().count().maxCoeff(&frame);
+  return static_cast<int>(frame);
+}
+
+// Markers with weight 1, and joints that they do not determine at their defaults.
+IkTaskSet posture_tasks(const Compiled& compiled, const TrackingProblem& tracking,
+                        const MarkerTrajectories& markers, const AutoScaleOptions& options) {
+  const MusculoskeletalModel& model = compiled.model;
+  IkTaskSet set;
+  IkTargets targets(tracking.problem);
+  set_targets(tracking, markers, fullest_frame(markers), targets);
+  IkTask task;
+  task.kind = IkTask::Kind::kCoordinate;
+  task.weight = std::pow(options.marker_sd / options.posture_sd, 2);
+  for (const int c :
+       undetermined_coordinates(model, compiled.tree, tracking, targets, compiled.tree.default_q)) {
+    const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
+    const bool turns = coordinate.motion == Coordinate::Motion::kRotational;
+    const bool link = model.bodies[static_cast<std::size_t>(coordinate.joint) + 1].virtual_link;
+    if (!turns || link || compiled.tree.v_of_coordinate[static_cast<std::size_t>(c)] < 0) continue;
+    task.name = coordinate.name;
+    set.tasks.push_back(task);
+  }
+  if (set.tasks.empty()) return set;
+  for (const TrackedMarker& marker : tracking.markers) {
+    IkTask tracked;
+    tracked.name = model.markers[static_cast<std::size_t>(marker.model)].name;
+    set.tasks.push_back(tracked);
+  }
+  return set;
 }
 
 class AutoScaler {
@@ -136,14 +173,19 @@ std::vector<int> AutoScaler::tracked_markers(const Compiled& compiled) const {
 
 // Poses with the model as it is, from the default pose.
 void AutoScaler::start() {
-  const Compiled compiled(model_, samples_, options_.name_unmatched);
+  const Compiled bare(model_, samples_, options_.name_unmatched);
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const TrackingProblem& problem = bare.problems[s];
+    result_.warnings.insert(result_.warnings.end(), problem.warnings.begin(),
+                            problem.warnings.end());
+    samples_[s].tasks = posture_tasks(bare, problem, samples_[s].file.markers, options_);
+  }
+  const Compiled compiled(model_, samples_);
   TrackingOptions tracking;
   tracking.minimizer = options_.minimizer;
   tracking.threads = options_.threads;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     const TrackingProblem& problem = compiled.problems[s];
-    result_.warnings.insert(result_.warnings.end(), problem.warnings.begin(),
-                            problem.warnings.end());
     const TrackingResult poses =
         track(model_, compiled.tree, problem, samples_[s].file.markers, tracking);
     for (int i = 0; i < static_cast<int>(poses.frames.size()); ++i) {
@@ -404,6 +446,7 @@ void AutoScaleOptions::validate() const {
   positive("axis_sd", axis_sd);
   positive("marker_offset_sd", marker_offset_sd);
   positive("technical_marker_sd", technical_marker_sd);
+  positive("posture_sd", posture_sd);
   positive("marker_sd", marker_sd);
   positive("independent_frames", independent_frames);
   positive("tolerance", tolerance);

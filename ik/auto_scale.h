@@ -47,6 +47,9 @@ struct AutoScaleOptions {
   double technical_marker_sd = 0.1;
   // Of a marker in one frame from where it sits on the bone, along each axis [m]: soft tissue.
   double marker_sd = 0.005;
+  // Of a joint that the markers do not determine, from the model's default [rad]: vertebrae and
+  // shoulder girdles that share a turn among many. Without it a spine buckles to make a trunk fit.
+  double posture_sd = 0.05;
   // Soft tissue moves with the gait cycle, not at random: the frames of a trial together weigh no
   // more than this many independent ones.
   double independent_frames = 10.0;
@@ -107,10 +110,11 @@ struct AutoScaleResult {
 /// recordings of a subject. With θ the logarithms of the factors and the offsets of the markers,
 /// and q_f the pose of frame f, it minimizes
 ///
-///     F(θ) = w/(2σ²) Σ_f min_q Σ_m |p^d_fm − p_m(q, θ)|² + ½ θᵀ P⁻¹ θ
+///     F(θ) = w/2 Σ_f min_q ( Σ_m |p^d_fm − p_m(q, θ)|²/σ² + Σ_c (q_c − q0_c)²/s² ) + ½ θᵀ P⁻¹ θ
 ///
-/// where P is the covariance of the priors, σ = marker_sd and w = independent_frames over the
-/// frames of the trial if these are more. The poses are eliminated (variable projection; Golub &
+/// where P is the covariance of the priors, σ = marker_sd, s = posture_sd, c the joint angles that
+/// the markers leave open, and w = independent_frames over the frames of the trial if these are
+/// more. The poses are eliminated (variable projection; Golub &
 /// Pereyra 1973, SIAM J Numer Anal 10:413-432): with J_q and J_θ the Jacobians of the markers of a
 /// frame, its part of the curvature is J_θᵀ (E − J_q J_q⁺) J_θ, and its gradient, q being at the
 /// minimum, J_θᵀ r. Gauss-Newton steps are halved until F falls. The inverse of the curvature is

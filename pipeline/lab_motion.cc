@@ -8,6 +8,7 @@
 
 #include "data/output_file.h"
 #include "data/text.h"
+#include "ik/auto_scale.h"
 #include "ik/tracking.h"
 #include "model/kinematic_tree.h"
 #include "pipeline/command.h"
@@ -20,9 +21,10 @@ constexpr double kRunningSpeed = 2.2;                          // [m/s]
 constexpr double kWalkingCutoff = 6.0, kRunningCutoff = 15.0;  // [Hz]
 // Splines are off by 2 to 3 mm over this time and by 8 to 17 mm over twice as much: kFilledWeight.
 constexpr double kMaxGap = 0.1;  // [s]
-// A joint that no marker sees lies within 0.3 rad (one standard deviation) of its default, a marker
-// within 1 cm of its place: (0.01 / 0.3)² [1/rad² over 1/m²].
-constexpr double kPostureWeight = 1e-3;
+// As when sizes are fitted [1/rad² over 1/m²]. With a tenth of it spines of real trials buckled to
+// one side and, from one frame to the next, to the other.
+const double kPostureWeight =
+    std::pow(AutoScaleOptions{}.marker_sd / AutoScaleOptions{}.posture_sd, 2);
 
 // Markers that the model has, by index.
 std::vector<int> tracked_markers(const MarkerTrajectories& markers,

@@ -55,6 +55,8 @@ struct AutoOptions {
            "--auto: of a technical marker from its place in the model [m]");
     number("--marker-sd", options.marker_sd,
            "--auto: of a marker in a frame from its place on the bone [m]");
+    number("--posture-sd", options.posture_sd,
+           "--auto: of a joint that the markers do not determine from its default [rad]");
     number("--independent-frames", options.independent_frames,
            "--auto: a recording counts as no more than this many independent frames");
     command.add_option("--frames", options.frames, "--auto: frames of a recording to use")

@@ -146,6 +146,18 @@ TEST(FootAssignment, PressureFarFromBothFeetIsNobodys) {
   EXPECT_EQ(assignment.contacts[0].foot, -1);
 }
 
+// The pressure under the toe is farther from the heel than from any marker of a whole foot.
+TEST(FootAssignment, AFootOfOneMarkerReachesAFootsLength) {
+  MarkerTrajectories markers = feet(kHeel, Vector3d(2, 0, 0), 0.0);
+  for (const double along : {0.2, 0.3}) {
+    std::vector<ForcePlatformRecording> plates = {platform(1, 0.0, 0.0)};
+    press(plates[0], 0.5, 1.5, kHeel + Vector3d(along, -0.05, 0.0));
+    finish(plates);
+    markers.p_WM.middleCols<3>(3).setConstant(std::nan(""));  // RTOE
+    EXPECT_EQ(assign(markers, plates).contacts[0].foot, along < 0.25 ? 0 : -1) << along;
+  }
+}
+
 TEST(FootAssignment, AFootOverTheEdgeNeedsAnotherPlatformThere) {
   std::vector<ForcePlatformRecording> plates = {platform(1, 0.0, 0.0), platform(2, 0.61, 0.0)};
   const Vector3d heel(0.2, 0.05, 0.0);  // the toe is 10 cm beyond platform 1

@@ -60,7 +60,8 @@ TEST(MarkerMatching, SetsNameTheSamePlaces) {
   EXPECT_NE(marker_site("RKNE"), marker_site("LKNE"));
   EXPECT_NE(marker_site("R.Knee.Lat"), marker_site("R.Knee.Med"));
   // Wands, clusters and joint centres stand elsewhere in every laboratory.
-  for (const char* name : {"RTH1", "LSK3", "R.Thigh.Upper", "LHJC", "RK", "Wand", "", "*12"}) {
+  for (const char* name :
+       {"RTH1", "LSK3", "RSHA", "R.Thigh.Upper", "LHJC", "RK", "Wand", "", "*12"}) {
     EXPECT_EQ(marker_site(name), "") << name;
   }
 }

@@ -118,8 +118,11 @@ TEST_P(PluginGaitTrial, CourseOfAnglesAndMomentsIsTheSame) {
     const Samples samples = compare(S + theirs, angles, ours + s, false);
     ASSERT_GT(samples.ours.size(), 100u);
     EXPECT_GT(samples.correlation(), 0.96) << ours;
-    EXPECT_LT(samples.spread(), 3.0) << ours;             // [degrees]
-    EXPECT_LT(std::abs(samples.offset()), 15.0) << ours;  // [degrees]
+    EXPECT_LT(samples.spread(), 3.0) << ours;  // [degrees]
+    // Where a pelvis has no tilt is a matter of definition, where a knee is straight is not.
+    if (ours == std::string("knee_angle_")) {
+      EXPECT_LT(std::abs(samples.offset()), 15.0);  // [degrees]
+    }
   }
   // Theirs are [N mm/kg], and an extensor's is positive.
   const Samples ankle = compare(S + "AnkleMoment", torques, "ankle_angle_" + s + "_moment", true);
@@ -137,6 +140,31 @@ INSTANTIATE_TEST_SUITE_P(
                       PluginGait{"sample_04/sub_labels.c3d", "Matt:", "right", 0.95},
                       PluginGait{"sample_04/sub_labels.c3d", "Matt:", "left", 0.95},
                       PluginGait{"sample_09/PlugInC3D.c3d", "", "right", 0.95}));
+
+// Shoulders and sacrum say how long a trunk is, not how its 17 joints share a turn: a weak posture
+// let them bend to one side and, a frame later, to the other, for the trunk to fit.
+TEST(LabPosture, SpinesDoNotBuckle) {
+  const fs::path shared = shared_data();
+  if (shared.empty()) GTEST_SKIP() << "no ../shared/data";
+  const fs::path file = shared / "c3d.org/sample_00/Motion Analysis Corporation/Walk1.c3d";
+  TemporaryFolder folder;
+  const Outcome outcome = run_sinew(
+      folder.path(), {"run", "--c3d", file.string(), "--model", "whole-body", "--out", "."});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const TimeTable motion = read_storage(folder.path() / "ik.mot").table;
+  const Eigen::Index last = motion.time.size() - 1;
+  for (std::size_t c = 0; c < motion.labels.size(); ++c) {
+    const Eigen::VectorXd q = motion.values.col(static_cast<Eigen::Index>(c));
+    const Eigen::VectorXd bend = q.head(last - 1) - 2.0 * q.segment(1, last - 1) + q.tail(last - 1);
+    // Knees turn by 1.2 degrees more from one frame of 60 Hz to the next, nothing by more.
+    EXPECT_LT(bend.cwiseAbs().maxCoeff(), 2.0) << motion.labels[c];
+  }
+  const nlohmann::json summary = nlohmann::json::parse(content_of(folder.path() / "summary.json"));
+  EXPECT_LT(summary["inverse_kinematics"]["marker_rms_m"].get<double>(), 0.006);
+  for (const char* contact : {"contact 1.1: left (", "contact 2.1: right ("}) {
+    EXPECT_NE(outcome.out.find(contact), std::string::npos) << outcome.out;
+  }
+}
 
 // A model without markers, a marker set, a static trial and measurements of OpenSim's tutorial.
 TEST(LabScaleSetup, GivesTheModelThatScaleGives) {
