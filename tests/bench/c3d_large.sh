@@ -27,7 +27,7 @@ table=$("$python" tests/bench/c3d_large.py compare "$(realpath "$SINEW")" "$fold
   echo
   echo "- machine: $(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2 | xargs), $(nproc) cores," \
     "load $(cut -d' ' -f1 /proc/loadavg)"
-  echo "- $SINEW, ezc3d $("$python" -c 'from importlib.metadata import version; print(version("ezc3d"))')"
+  echo "- $(realpath --relative-to=. "$SINEW"), ezc3d $("$python" -c 'from importlib.metadata import version; print(version("ezc3d"))')"
   echo
   echo "$table"
 } >tests/bench/c3d_large.md
