@@ -13,9 +13,9 @@
 #include <stdexcept>
 
 #include "ik/auto_scale_parameters.h"
+#include "ik/auto_scale_samples.h"
 #include "ik/residual_rows.h"
 #include "ik/tracking.h"
-#include "model/scale_measurements.h"
 
 namespace sinew {
 namespace {
@@ -23,98 +23,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The frames of one trial that are fitted.
-struct Sample {
-  MarkerFile file;
-  double weight = 0.0;  // w/σ² of every frame [1/m²]
-  IkTaskSet tasks;      // its markers, and the posture of what they leave open
-};
-
 // One frame of one sample, and its pose, from which the next search starts.
 struct Frame {
   std::size_t sample = 0;
   int index = 0;
   std::vector<double> q;
 };
-
-// A model compiled and bound to all samples.
-struct Compiled {
-  MusculoskeletalModel model;
-  KinematicTree tree;
-  std::vector<TrackingProblem> problems;  // samples
-
-  Compiled(MusculoskeletalModel scaled, const std::vector<Sample>& samples,
-           bool name_unmatched = false)
-      : model(std::move(scaled)), tree(compile_tree(model)) {
-    BindingOptions options;
-    options.name_unmatched = name_unmatched;
-    options.wires.use = WireOptions::Use::kNone;  // how long muscles are is not known yet
-    for (const Sample& sample : samples) {
-      const IkTaskSet* tasks = sample.tasks.tasks.empty() ? nullptr : &sample.tasks;
-      problems.push_back(bind_recording(model, tree, sample.file, tasks, nullptr, options));
-    }
-  }
-};
-
-Sample take_frames(const AutoScaleTrial& trial, const AutoScaleOptions& options) {
-  const MarkerTrajectories& all = trial.recording->markers;
-  const auto [first, last] = frames_around(all, trial.from, trial.to);
-  const int available = last - first + 1, count = std::min(options.frames, available);
-  Sample sample;
-  sample.file.path = trial.recording->path;
-  MarkerTrajectories& markers = sample.file.markers;
-  markers.names = all.names;
-  markers.rate = all.rate;
-  markers.time.resize(count);
-  markers.p_WM.resize(count, all.p_WM.cols());
-  for (int i = 0; i < count; ++i) {
-    const int frame =
-        count == 1
-            ? first
-            : first + static_cast<int>(std::llround(double(i) * (available - 1) / (count - 1)));
-    markers.frame_numbers.push_back(all.frame_numbers[static_cast<std::size_t>(frame)]);
-    markers.time[i] = all.time[frame];
-    markers.p_WM.row(i) = all.p_WM.row(frame);
-  }
-  sample.weight =
-      std::min(1.0, options.independent_frames / count) / (options.marker_sd * options.marker_sd);
-  return sample;
-}
-
-// The frame in which most markers are measured.
-int fullest_frame(const MarkerTrajectories& markers) {
-  Eigen::Index frame = 0;
-  markers.p_WM.array().isFinite().rowwise().count().maxCoeff(&frame);
-  return static_cast<int>(frame);
-}
-
-// Markers with weight 1, and joints that they do not determine at their defaults.
-IkTaskSet posture_tasks(const Compiled& compiled, const TrackingProblem& tracking,
-                        const MarkerTrajectories& markers, const AutoScaleOptions& options) {
-  const MusculoskeletalModel& model = compiled.model;
-  IkTaskSet set;
-  IkTargets targets(tracking.problem);
-  set_targets(tracking, markers, fullest_frame(markers), targets);
-  IkTask task;
-  task.kind = IkTask::Kind::kCoordinate;
-  task.weight = std::pow(options.marker_sd / options.posture_sd, 2);
-  for (const int c :
-       undetermined_coordinates(model, compiled.tree, tracking, targets, compiled.tree.default_q)) {
-    const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
-    const bool turns = coordinate.motion == Coordinate::Motion::kRotational;
-    const bool link = model.bodies[static_cast<std::size_t>(coordinate.joint) + 1].virtual_link;
-    if (!turns || link || compiled.tree.v_of_coordinate[static_cast<std::size_t>(c)] < 0) continue;
-    task.name = coordinate.name;
-    set.tasks.push_back(task);
-  }
-  if (set.tasks.empty()) return set;
-  for (const TrackedMarker& marker : tracking.markers) {
-    IkTask tracked;
-    tracked.name = model.markers[static_cast<std::size_t>(marker.model)].name;
-    set.tasks.push_back(tracked);
-  }
-  return set;
-}
 
 class AutoScaler {
  public:
@@ -128,16 +42,17 @@ class AutoScaler {
 
  private:
   void start();
-  std::vector<int> tracked_markers(const Compiled& compiled) const;
-  double fit_poses(const Compiled& compiled, std::vector<Frame>& frames) const;
+  std::vector<int> tracked_markers(const CompiledSamples& compiled) const;
+  double fit_poses(const CompiledSamples& compiled, std::vector<Frame>& frames) const;
   double prior(const VectorXd& theta) const { return 0.5 * theta.dot(precision_ * theta); }
-  void linearize(const Compiled& compiled, const VectorXd& theta);
-  MatrixXd frame_jacobian(const std::vector<Compiled>& perturbed, const Compiled& compiled,
-                          const Frame& frame, const VectorXd& theta, ResidualRows& rows) const;
-  void add_frame(const Compiled& compiled, const Frame& frame, const ResidualRows& rows,
+  void linearize(const CompiledSamples& compiled, const VectorXd& theta);
+  MatrixXd frame_jacobian(const std::vector<CompiledSamples>& perturbed,
+                          const CompiledSamples& compiled, const Frame& frame,
+                          const VectorXd& theta, ResidualRows& rows) const;
+  void add_frame(const CompiledSamples& compiled, const Frame& frame, const ResidualRows& rows,
                  const MatrixXd& J);
   bool step(VectorXd& theta);
-  double rms(const Compiled& compiled, const std::vector<Frame>& frames) const;
+  double rms(const CompiledSamples& compiled, const std::vector<Frame>& frames) const;
   void finish(const VectorXd& theta);
   void describe(const VectorXd& theta);
 
@@ -153,7 +68,7 @@ class AutoScaler {
 
   const MusculoskeletalModel& model_;
   const AutoScaleOptions& options_;
-  std::vector<Sample> samples_;
+  std::vector<FrameSample> samples_;
   std::vector<Frame> frames_;
   AutoScaleParameters parameters_;
   MatrixXd precision_;  // P⁻¹
@@ -163,7 +78,7 @@ class AutoScaler {
   AutoScaleResult result_;
 };
 
-std::vector<int> AutoScaler::tracked_markers(const Compiled& compiled) const {
+std::vector<int> AutoScaler::tracked_markers(const CompiledSamples& compiled) const {
   std::set<int> tracked;
   for (const TrackingProblem& problem : compiled.problems) {
     for (const TrackedMarker& marker : problem.markers) tracked.insert(marker.model);
@@ -173,14 +88,14 @@ std::vector<int> AutoScaler::tracked_markers(const Compiled& compiled) const {
 
 // Poses with the model as it is, from the default pose.
 void AutoScaler::start() {
-  const Compiled bare(model_, samples_, options_.name_unmatched);
+  const CompiledSamples bare(model_, samples_, options_.name_unmatched);
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     const TrackingProblem& problem = bare.problems[s];
     result_.warnings.insert(result_.warnings.end(), problem.warnings.begin(),
                             problem.warnings.end());
-    samples_[s].tasks = posture_tasks(bare, problem, samples_[s].file.markers, options_);
+    samples_[s].tasks = posture_tasks(bare, s, samples_[s].file.markers, options_);
   }
-  const Compiled compiled(model_, samples_);
+  const CompiledSamples compiled(model_, samples_);
   TrackingOptions tracking;
   tracking.minimizer = options_.minimizer;
   tracking.threads = options_.threads;
@@ -206,7 +121,7 @@ void AutoScaler::start() {
 
 // The data's part of F; each frame's pose is searched from where it was. Frames are summed in their
 // order, so that the sum does not depend on the threads.
-double AutoScaler::fit_poses(const Compiled& compiled, std::vector<Frame>& frames) const {
+double AutoScaler::fit_poses(const CompiledSamples& compiled, std::vector<Frame>& frames) const {
   std::vector<double> costs(frames.size());
   constexpr std::size_t kBlock = 8;  // frames that share a solver
   parallel((frames.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
@@ -231,7 +146,7 @@ double AutoScaler::fit_poses(const Compiled& compiled, std::vector<Frame>& frame
   return sum;
 }
 
-double AutoScaler::rms(const Compiled& compiled, const std::vector<Frame>& frames) const {
+double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>& frames) const {
   double sum = 0.0;
   int count = 0;
   KinematicWorkspace ws(compiled.tree);
@@ -255,8 +170,8 @@ double AutoScaler::rms(const Compiled& compiled, const std::vector<Frame>& frame
 
 // ∂b/∂θ of one frame. Residuals are linear in the factors at a given pose, so differences with the
 // factor raised by 1 are exact, and ∂/∂log f = f ∂/∂f.
-MatrixXd AutoScaler::frame_jacobian(const std::vector<Compiled>& perturbed,
-                                    const Compiled& compiled, const Frame& frame,
+MatrixXd AutoScaler::frame_jacobian(const std::vector<CompiledSamples>& perturbed,
+                                    const CompiledSamples& compiled, const Frame& frame,
                                     const VectorXd& theta, ResidualRows& rows) const {
   const TrackingProblem& tracking = compiled.problems[frame.sample];
   const MarkerTrajectories& markers = samples_[frame.sample].file.markers;
@@ -270,7 +185,7 @@ MatrixXd AutoScaler::frame_jacobian(const std::vector<Compiled>& perturbed,
   ResidualRows raised(compiled.tree, tracking.problem);
   KinematicWorkspace raised_ws(compiled.tree);
   for (int k = 0; k < parameters_.factor_count(); ++k) {
-    const Compiled& other = perturbed[static_cast<std::size_t>(k)];
+    const CompiledSamples& other = perturbed[static_cast<std::size_t>(k)];
     std::copy(frame.q.begin(), frame.q.end(), raised_ws.q.begin());
     update_kinematics(other.tree, raised_ws);
     raised.update(other.tree, other.problems[frame.sample].problem, targets, raised_ws);
@@ -293,8 +208,8 @@ MatrixXd AutoScaler::frame_jacobian(const std::vector<Compiled>& perturbed,
 }
 
 // The pose is eliminated: Jᵀ(E − A A⁺)J, A the Jacobian of the unknowns that no bound holds.
-void AutoScaler::add_frame(const Compiled& compiled, const Frame& frame, const ResidualRows& rows,
-                           const MatrixXd& J) {
+void AutoScaler::add_frame(const CompiledSamples& compiled, const Frame& frame,
+                           const ResidualRows& rows, const MatrixXd& J) {
   const KinematicTree& tree = compiled.tree;
   std::vector<int> free;
   for (int x = 0; x < tree.unknown_count(); ++x) {
@@ -314,9 +229,9 @@ void AutoScaler::add_frame(const Compiled& compiled, const Frame& frame, const R
   g_ += weight * (J.transpose() * rows.b.head(rows.count));
 }
 
-void AutoScaler::linearize(const Compiled& compiled, const VectorXd& theta) {
+void AutoScaler::linearize(const CompiledSamples& compiled, const VectorXd& theta) {
   const int k = parameters_.factor_count();
-  std::vector<Compiled> perturbed;
+  std::vector<CompiledSamples> perturbed;
   perturbed.reserve(static_cast<std::size_t>(k));
   for (int i = 0; i < k; ++i) {
     VectorXd raised = theta;
@@ -345,7 +260,7 @@ void AutoScaler::linearize(const Compiled& compiled, const VectorXd& theta) {
 
 // One Gauss-Newton step, halved until F falls; false at the end.
 bool AutoScaler::step(VectorXd& theta) {
-  const Compiled compiled(parameters_.apply(model_, theta), samples_);
+  const CompiledSamples compiled(parameters_.apply(model_, theta), samples_);
   linearize(compiled, theta);
   const VectorXd full = -(N_ + precision_).ldlt().solve(g_);
   const int k = parameters_.factor_count();
@@ -354,7 +269,7 @@ bool AutoScaler::step(VectorXd& theta) {
   for (int i = 0; i < kHalvings; ++i, length *= 0.5) {
     const VectorXd trial = theta + length * full;
     std::vector<Frame> frames = frames_;
-    const Compiled there(parameters_.apply(model_, trial), samples_);
+    const CompiledSamples there(parameters_.apply(model_, trial), samples_);
     const double F = fit_poses(there, frames) + prior(trial);
     if (!(F < F_)) continue;
     theta = trial;
@@ -393,7 +308,7 @@ AutoScaleResult AutoScaler::run() {
 
 void AutoScaler::finish(const VectorXd& theta) {
   result_.factors = parameters_.scale_factors(model_, theta);
-  const Compiled compiled(parameters_.apply(model_, theta), samples_);
+  const CompiledSamples compiled(parameters_.apply(model_, theta), samples_);
   result_.markers = compiled.model.markers;
   result_.cost = F_;
   result_.rms_after = rms(compiled, frames_);
@@ -401,7 +316,7 @@ void AutoScaler::finish(const VectorXd& theta) {
   describe(theta);
   VectorXd scaled_only = theta;
   scaled_only.tail(theta.size() - parameters_.factor_count()).setZero();
-  const Compiled unmoved(parameters_.apply(model_, scaled_only), samples_);
+  const CompiledSamples unmoved(parameters_.apply(model_, scaled_only), samples_);
   fit_poses(unmoved, frames_);
   result_.rms_scaled = rms(unmoved, frames_);
 }
