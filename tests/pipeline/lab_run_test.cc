@@ -311,7 +311,8 @@ TEST_F(LabRun, ModelsOfAnotherSizeAreScaledAsCheckSays) {
   const Outcome scaled = run_sinew(path(), command);
   ASSERT_EQ(scaled.exit_code, 0) << scaled.err;
   run_sinew(path(), {"check", "walk.trc", "--model", "scaled.osim", "--json", "after.json"});
-  for (const Json& finding : json("after.json")["findings"]) EXPECT_NE(finding["kind"], "size");
+  const Json after = json("after.json");
+  for (const Json& finding : after["findings"]) EXPECT_NE(finding["kind"], "size");
 }
 
 TEST_F(LabRun, SetupsRepeatTheSteps) {
