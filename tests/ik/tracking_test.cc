@@ -340,7 +340,7 @@ TEST(Tracking, StopsWhenProgressSaysSo) {
     const TrackingResult result = r.track(problem, options);
     EXPECT_TRUE(result.stopped);
     EXPECT_GE(calls, 2);
-    EXPECT_LE(calls, 2 + threads);
+    EXPECT_LE(calls, 32 + threads);  // two, unless a frame takes long
     EXPECT_EQ(result.frames.back().termination, Termination::kNone);
   }
 }
@@ -354,7 +354,14 @@ TEST(Tracking, ReportsProgressToTheLastFrame) {
     return true;
   };
   EXPECT_FALSE(r.track(r.bind(), options).stopped);
-  EXPECT_EQ(done_frames, (std::vector<int>{16, 32, 48, 64, 70}));
+  // Every 16 frames, and oftener where they take long.
+  int before = 0;
+  for (const int done : done_frames) {
+    EXPECT_GT(done, before);
+    EXPECT_LE(done, before + 16);
+    before = done;
+  }
+  EXPECT_EQ(before, 70);
 }
 
 TEST(EvaluateCoordinates, MeasuresAsTrackingDoes) {
