@@ -63,13 +63,12 @@ struct FootAssignment {
 /// A contact is a stretch of at least 50 ms in which the platform carries `threshold` or more, with
 /// breaks of up to 30 ms. In its frames a foot fits if its slowest marker moves by less than 0.7
 /// m/s and the centre of pressure is within 10 cm of a line between two of its markers, or 25 cm of
-/// the only one that is measured. The foot
-/// that fits oftener is taken; confidence is its share times what the other foot's lacks of it. A
-/// contact is unusable where no foot fits half of the time, where both fit about alike, where the
-/// other foot stands still within the platform's edges for more than 50 ms (two feet on one
-/// platform), and where the foot reaches over the edge by more than 5 cm while no other platform
-/// carries it. O(frames · contacts). Throws std::invalid_argument for an override whose platform or
-/// foot does not exist.
+/// the only one that is measured. The foot that fits oftener is taken; confidence is its share
+/// times what the other foot's lacks of it. A contact is unusable where no foot fits half of the
+/// time, where both fit about alike, where the other foot stands still within the platform's edges
+/// for more than 50 ms (two feet on one platform), and where the foot reaches over the edge by more
+/// than 5 cm while no other platform carries it. O(frames · contacts). Throws std::invalid_argument
+/// for an override whose platform or foot does not exist.
 FootAssignment assign_feet(const MarkerTrajectories& markers, std::vector<Foot> feet,
                            const std::vector<ForcePlatformRecording>& plates, double threshold,
                            const std::vector<AssignmentOverride>& overrides);

@@ -5,18 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data/statistics.h"
 #include "data/text.h"
 
 namespace sinew {
-namespace {
-
-using Severity = Finding::Severity;
-
-}  // namespace
 
 std::vector<Finding> find_timing_faults(const MarkerTrajectories& markers,
                                         const MarkerCheckOptions& options) {
+  using Severity = Finding::Severity;
   options.validate();
   std::vector<Finding> findings;
   const int frames = markers.frame_count();
