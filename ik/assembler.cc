@@ -148,14 +148,6 @@ class PlainCost {
   const MarkerTrajectories& markers_;
 };
 
-// Costs below this are noise: the square of 1e-6 of a millimetre on every marker.
-double cost_noise(const TrackingProblem& tracking) {
-  double sum = 0.0;
-  for (const TrackedMarker& marker : tracking.markers) sum += marker.weight;
-  constexpr double kNoise = 1e-9;  // [m]
-  return 0.5 * sum * kNoise * kNoise;
-}
-
 }  // namespace
 
 Comparison compare_with_assembler(const MusculoskeletalModel& model, const KinematicTree& tree,

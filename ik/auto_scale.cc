@@ -86,7 +86,7 @@ std::vector<int> AutoScaler::tracked_markers(const CompiledSamples& compiled) co
   return {tracked.begin(), tracked.end()};
 }
 
-// Poses with the model as it is, from the default pose.
+// Poses with the model as it is, each the lowest of several starts.
 void AutoScaler::start() {
   const CompiledSamples bare(model_, samples_, options_.name_unmatched);
   for (std::size_t s = 0; s < samples_.size(); ++s) {
@@ -99,6 +99,7 @@ void AutoScaler::start() {
   TrackingOptions tracking;
   tracking.minimizer = options_.minimizer;
   tracking.threads = options_.threads;
+  tracking.unrelated_frames = true;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     const TrackingProblem& problem = compiled.problems[s];
     const TrackingResult poses =

@@ -6,7 +6,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "ik/tracking.h"
 #include "model/scale_measurements.h"
 
 namespace sinew {
@@ -166,6 +165,18 @@ MarkerTrajectories average_frames(const MarkerTrajectories& markers, int first, 
   return mean;
 }
 
+BoundPlacement bind_placement(const MusculoskeletalModel& model, const KinematicTree& tree,
+                              const MarkerFile& trial, const IkTaskSet* tasks,
+                              const RowMatrix* coordinate_values,
+                              const MarkerPlacementOptions& options) {
+  const auto [first, last] = frames_around(trial.markers, options.from, options.to);
+  BoundPlacement bound{{trial.path, average_frames(trial.markers, first, last), {}}, {}};
+  const IkTaskSet complete =
+      complete_tasks(model, bound.mean.markers, tasks, options.default_weight);
+  bound.tracking = bind_recording(model, tree, bound.mean, &complete, coordinate_values);
+  return bound;
+}
+
 MarkerPlacementResult place_markers(const MusculoskeletalModel& model, const MarkerFile& trial,
                                     const IkTaskSet* tasks, const RowMatrix* coordinate_values,
                                     const MarkerPlacementOptions& options) {
@@ -175,20 +186,21 @@ MarkerPlacementResult place_markers(const MusculoskeletalModel& model, const Mar
   if (options.max_marker_movement) {
     warn_of_movement(trial, first, last, *options.max_marker_movement, result.warnings);
   }
-  const MarkerFile mean{trial.path, average_frames(trial.markers, first, last), {}};
-  const IkTaskSet complete = complete_tasks(model, mean.markers, tasks, options.default_weight);
   const KinematicTree tree = compile_tree(model);
-  const TrackingProblem tracking = bind_recording(model, tree, mean, &complete, coordinate_values);
+  const auto [mean, tracking] =
+      bind_placement(model, tree, trial, tasks, coordinate_values, options);
   result.warnings.insert(result.warnings.end(), tracking.warnings.begin(), tracking.warnings.end());
 
   TrackingOptions tracking_options;
   tracking_options.minimizer = options.minimizer;
+  tracking_options.cold_start = options.cold_start;
   tracking_options.threads = 1;
   const TrackingResult tracked = track(model, tree, tracking, mean.markers, tracking_options);
   result.coordinates = tracked.coordinates.row(0).transpose();
   result.time = mean.markers.time[0];
   result.frames = last - first + 1;
   result.termination = tracked.frames[0].termination;
+  result.search = tracked.searched[0].search;
   settle_markers(model, mean.markers, pose_at(tree, result.coordinates), options.move_markers,
                  result);
   summarize_fit(tracking, result);

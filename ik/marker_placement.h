@@ -7,7 +7,9 @@
 
 #include "data/marker_trajectories.h"
 #include "data/tool_setup.h"
+#include "ik/cold_start.h"
 #include "ik/minimizer.h"
+#include "ik/tracking.h"
 #include "model/musculoskeletal_model.h"
 
 namespace sinew {
@@ -20,6 +22,7 @@ struct MarkerPlacementOptions {
   std::optional<double> max_marker_movement;
   bool move_markers = true;  // else only the pose is found
   MinimizerOptions minimizer;
+  ColdStartOptions cold_start;
 
   /// Throws std::invalid_argument naming field, value and bound.
   void validate() const;
@@ -50,11 +53,24 @@ struct MarkerPlacementResult {
   double marker_max = kNaN;           // likewise [m]
   std::string worst_marker;
   Termination termination = Termination::kNone;  // of finding the pose
+  ColdStartResult search;                        // likewise
   std::vector<Warning> warnings;
 };
 
+/// The mean of a static trial bound to a model: one frame of inverse kinematics.
+struct BoundPlacement {
+  MarkerFile mean;
+  TrackingProblem tracking;
+};
+
+/// What place_markers() finds the pose from, with its arguments.
+BoundPlacement bind_placement(const MusculoskeletalModel& model, const KinematicTree& tree,
+                              const MarkerFile& trial, const IkTaskSet* tasks,
+                              const RowMatrix* coordinate_values,
+                              const MarkerPlacementOptions& options);
+
 /// OpenSim's MarkerPlacer: averages the static trial, finds the pose by weighted least squares on
-/// the markers and coordinate tasks, from the default pose, and moves every marker that is not
+/// the markers and coordinate tasks, lowest of several starts (ColdStart), and moves every marker that is not
 /// fixed to where it was measured. The default pose of the model stays. As in OpenSim,
 ///
 ///     ½ Σ w_m |Δp_m|² / Σ w_m + ½ Σ w_c Δq_c²

@@ -319,7 +319,13 @@ const Summary& Minimizer::minimize(const IkTargets& targets, std::span<double> q
   std::copy(workspace_.q.begin(), workspace_.q.end(), q.begin());
   summary_.iterations = at.iteration;
   summary_.final_cost = at.f;
-  summary_.held = static_cast<int>(std::count(at.held.begin(), at.held.end(), 1));
+  summary_.held = 0;
+  summary_.bound_push = 0.0;
+  for (Eigen::Index x = 0; x < g_raw_.size(); ++x) {
+    if (!at.held[static_cast<std::size_t>(x)]) continue;
+    ++summary_.held;
+    summary_.bound_push = std::max(summary_.bound_push, std::abs(g_raw_[x]));
+  }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
   summary_.seconds = elapsed.count();
   return summary_;

@@ -41,6 +41,7 @@ struct Summary {
   double initial_cost = kNaN, final_cost = kNaN;
   double gradient_norm = kNaN;  // of unknowns that no bound holds, as MinimizerOptions::test says
   int held = -1;                // unknowns that end on a bound
+  double bound_push = kNaN;     // largest gradient that a bound holds against; 0 without any
   double seconds = kNaN;
   std::string detail;  // what a library that did the work said of it; may be empty
   std::vector<IterationRow> rows;

@@ -14,7 +14,8 @@
 #include <stdexcept>
 
 #include "ik/curvature.h"
-#include "ik/warm_start.h"
+#include "ik/frame_solver.h"
+#include "ik/second_look.h"
 
 namespace sinew {
 namespace {
@@ -23,127 +24,20 @@ namespace {
 // every core several pieces of a ten-second trial.
 constexpr int kPieceLength = 64;
 
-// A piece is solved again if the piece before it leads to a start that is better by this fraction:
-// another minimum, not rounding.
-constexpr double kBetterStart = 1e-6;
+// Two starts of one frame lead to different minima if their costs differ by this fraction.
+constexpr double kOtherMinimum = 1e-6;
 
 struct Piece {
   int begin, end;               // frames, relative to the first one
   std::vector<double> start_q;  // solution of frame `begin`
-  double start_cost = kNaN;
-};
-
-void read_coordinates(const KinematicTree& tree, const std::vector<double>& q,
-                      Eigen::Ref<Eigen::RowVectorXd> row) {
-  for (std::size_t c = 0; c < tree.q_of_coordinate.size(); ++c) {
-    row[static_cast<Eigen::Index>(c)] = q[static_cast<std::size_t>(tree.q_of_coordinate[c])];
-  }
-}
-
-void measure_wires(const TrackingProblem& tracking, const KinematicWorkspace& ws, int frame,
-                   TrackingResult& result) {
-  for (std::size_t i = 0; i < tracking.wires.size(); ++i) {
-    result.wire_lengths(frame, static_cast<Eigen::Index>(i)) =
-        wire_length(tracking.problem, tracking.problem.wires[i], ws);
-  }
-  for (std::size_t i = 0; i < tracking.virtual_links.size(); ++i) {
-    result.furcations.row(frame).segment<3>(3 * static_cast<Eigen::Index>(i)) =
-        ws.X_WB[static_cast<std::size_t>(tracking.virtual_links[i])].p.transpose();
-  }
-}
-
-// Distances of tracked markers at the poses of `ws`, their summary, and the wires.
-void measure(const TrackingProblem& tracking, const IkTargets& targets,
-             const KinematicWorkspace& ws, int index, TrackingResult& result) {
-  measure_wires(tracking, ws, index, result);
-  auto errors = result.marker_errors.row(index);
-  FrameResult& frame = result.frames[static_cast<std::size_t>(index)];
-  double sum = 0.0;
-  frame.measured_markers = 0;
-  frame.marker_max = kNaN;
-  frame.worst_marker = -1;
-  for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
-    const PositionResidual& r = tracking.problem.positions[i];
-    // A filled sample is no measurement to err from.
-    const double error =
-        position_scale(targets, i) < 1.0
-            ? kNaN
-            : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
-    errors[static_cast<Eigen::Index>(i)] = error;
-    if (std::isnan(error)) continue;
-    sum += error * error;
-    ++frame.measured_markers;
-    if (!(error <= frame.marker_max)) {
-      frame.marker_max = error;
-      frame.worst_marker = static_cast<int>(i);
-    }
-  }
-  frame.marker_rms = frame.measured_markers > 0 ? std::sqrt(sum / frame.measured_markers) : kNaN;
-}
-
-// One worker's solver with all that it needs for a frame.
-class FrameSolver {
- public:
-  FrameSolver(const KinematicTree& tree, const TrackingProblem& tracking,
-              const MarkerTrajectories& markers, const TrackingOptions& options)
-      : tree_(tree),
-        tracking_(tracking),
-        markers_(markers),
-        first_(options.first_frame),
-        minimizer_(tree, tracking.problem, options.minimizer),
-        targets_(tracking.problem),
-        warm_start_(tree) {}
-
-  // The next frame is not the one after the last.
-  void begin_anew() { warm_start_.reset(); }
-
-  const Summary& solve(int frame, std::vector<double>& q) {
-    set_targets(tracking_, markers_, first_ + frame, targets_);
-    warm_start_.advance(tree_, tracking_.problem, targets_, q);
-    prescribe(tree_, markers_.time[first_ + frame], q);
-    return minimizer_.minimize(targets_, q);
-  }
-
-  void store(int frame, const Summary& summary, const std::vector<double>& q,
-             TrackingResult& result) {
-    FrameResult& out = result.frames[static_cast<std::size_t>(frame)];
-    out.termination = summary.termination;
-    out.iterations = summary.iterations;
-    out.evaluations = summary.evaluations;
-    out.cost = summary.final_cost;
-    out.rows = summary.rows;
-    read_coordinates(tree_, q, result.coordinates.row(frame));
-    measure(tracking_, targets_, minimizer_.workspace(), frame, result);
-  }
-
- private:
-  const KinematicTree& tree_;
-  const TrackingProblem& tracking_;
-  const MarkerTrajectories& markers_;
-  int first_;
-  Minimizer minimizer_;
-  IkTargets targets_;
-  WarmStart warm_start_;
 };
 
 std::vector<Piece> cut(int frames) {
   std::vector<Piece> pieces;
   for (int begin = 0; begin < frames; begin += kPieceLength) {
-    pieces.push_back({begin, std::min(begin + kPieceLength, frames), {}, kNaN});
+    pieces.push_back({begin, std::min(begin + kPieceLength, frames), {}});
   }
   return pieces;
-}
-
-TrackingResult empty_result(const MusculoskeletalModel& model, const TrackingProblem& tracking,
-                            const MarkerTrajectories& markers, int first, int frames) {
-  TrackingResult result;
-  result.time = markers.time.segment(first, frames);
-  result.coordinates.resize(frames, static_cast<Eigen::Index>(model.coordinates.size()));
-  result.marker_errors.resize(frames, static_cast<Eigen::Index>(tracking.markers.size()));
-  result.wire_lengths.resize(frames, static_cast<Eigen::Index>(tracking.wires.size()));
-  result.furcations.resize(frames, static_cast<Eigen::Index>(3 * tracking.virtual_links.size()));
-  result.frames.resize(static_cast<std::size_t>(frames));
-  return result;
 }
 
 // Reports progress from any thread, one at a time, and remembers a request to stop.
@@ -160,6 +54,15 @@ class Progress {
     return !stopped_;
   }
   bool stopped() const { return stopped_; }
+
+  // Between frames: whether to go on.
+  bool ask() {
+    if (options_.progress && due()) {
+      const std::lock_guard lock(mutex_);
+      if (!options_.progress(std::min<int>(done_, total_), total_)) stopped_ = true;
+    }
+    return !stopped_;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -180,20 +83,132 @@ class Progress {
   std::mutex mutex_;
 };
 
+// The first frame is solved already.
 void solve_piece(const Piece& piece, FrameSolver& solver, Progress& progress,
                  TrackingResult& result) {
   std::vector<double> q = piece.start_q;
   solver.begin_anew();
-  for (int frame = piece.begin; frame < piece.end; ++frame) {
+  if (!progress.frame_done()) return;
+  for (int frame = piece.begin + 1; frame < piece.end; ++frame) {
     solver.store(frame, solver.solve(frame, q), q, result);
     if (!progress.frame_done()) return;
   }
 }
 
+// Runs body(i) for i in [0, count) on so many threads.
+template <typename Body>
+void in_parallel(int threads, std::size_t count, const Body& body) {
+  if (threads == 0) threads = tbb::info::default_concurrency();
+  // Without this TBB gives no more threads than there are cores, and says so on the terminal.
+  const tbb::global_control allowed(
+      tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(std::max(threads, tbb::info::default_concurrency())));
+  tbb::task_arena arena(threads);
+  arena.execute(
+      [&] { tbb::parallel_for(std::size_t{0}, count, body, tbb::simple_partitioner()); });
+}
+
+class Tracker {
+ public:
+  Tracker(const KinematicTree& tree, const TrackingProblem& tracking,
+          const MarkerTrajectories& markers, const TrackingOptions& options,
+          TrackingResult& result)
+      : tree_(tree),
+        tracking_(tracking),
+        markers_(markers),
+        options_(options),
+        result_(result),
+        progress_(options, static_cast<int>(result.frames.size())),
+        leader_(tree, tracking, markers, options) {}
+
+  void run() {
+    if (result_.frames.empty()) return;
+    if (options_.unrelated_frames) {
+      solve_unrelated();
+    } else {
+      solve_pieces();
+      join_pieces();
+      look_again(leader_, tree_, tracking_, [&] { return progress_.ask(); }, result_);
+    }
+    result_.stopped = progress_.stopped();
+  }
+
+ private:
+  void solve_unrelated() {
+    result_.searched.resize(result_.frames.size());
+    in_parallel(options_.threads, result_.frames.size(), [&](std::size_t i) {
+      if (progress_.stopped()) return;
+      FrameSolver solver(tree_, tracking_, markers_, options_);
+      std::vector<double> q = tree_.default_q;
+      const int frame = static_cast<int>(i);
+      solver.store(frame, solver.solve_cold(frame, q), q, result_);
+      result_.searched[i] = {frame, solver.search()};
+      progress_.frame_done();
+    });
+  }
+
+  // The first frame of every piece, each from the one before, then the pieces.
+  void solve_pieces() {
+    pieces_ = cut(static_cast<int>(result_.frames.size()));
+    std::vector<double> q = tree_.default_q;
+    for (Piece& piece : pieces_) {
+      leader_.begin_anew();
+      const bool first = piece.begin == 0;
+      const Summary& summary =
+          first ? leader_.solve_cold(0, q) : leader_.solve(piece.begin, q);
+      leader_.store(piece.begin, summary, q, result_);
+      if (first) result_.searched.push_back({0, leader_.search()});
+      piece.start_q = q;
+    }
+    in_parallel(options_.threads, pieces_.size(), [&](std::size_t i) {
+      if (progress_.stopped()) return;
+      FrameSolver solver(tree_, tracking_, markers_, options_);
+      solve_piece(pieces_[i], solver, progress_, result_);
+    });
+  }
+
+  // The start of a piece and the end of the one before are independent ways to the same frame.
+  void join_pieces() {
+    std::vector<double> q = tree_.default_q;
+    for (std::size_t i = 1; i < pieces_.size() && progress_.ask(); ++i) {
+      const int frame = pieces_[i].begin;
+      read_solution(tree_, result_, frame - 1, q);
+      leader_.begin_anew();
+      const Summary& summary = leader_.solve(frame, q);
+      const double cost = summary.final_cost, had = cost_of(frame);
+      if (std::abs(cost - had) <= kOtherMinimum * std::min(cost, had) + noise_) continue;
+      if (cost < had) {
+        leader_.store(frame, summary, q, result_);
+      } else {
+        q = pieces_[i].start_q;
+      }
+      if (const Summary* lower = leader_.look_again(frame, q, std::min(cost, had))) {
+        leader_.store(frame, *lower, q, result_);
+      }
+      result_.searched.push_back({frame, leader_.search()});
+      sweep(leader_, frame - 1, true, q, result_);
+      sweep(leader_, frame + 1, false, q, result_);
+    }
+  }
+
+  double cost_of(int frame) const { return result_.frames[static_cast<std::size_t>(frame)].cost; }
+
+  const KinematicTree& tree_;
+  const TrackingProblem& tracking_;
+  const MarkerTrajectories& markers_;
+  const TrackingOptions& options_;
+  TrackingResult& result_;
+  Progress progress_;
+  FrameSolver leader_;
+  std::vector<Piece> pieces_;
+  const double noise_ = cost_noise(tracking_);
+};
+
 }  // namespace
 
 void TrackingOptions::validate() const {
   minimizer.validate();
+  cold_start.validate();
   if (threads < 0) {
     throw std::invalid_argument(
         fmt::format("TrackingOptions.threads is {}; expected 0 or more", threads));
@@ -212,49 +227,7 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
   }
   const auto start = std::chrono::steady_clock::now();
   TrackingResult result = empty_result(model, tracking, markers, options.first_frame, frames);
-  std::vector<Piece> pieces = cut(frames);
-  Progress progress(options, frames);
-
-  // The first frame of every piece, each from the one before.
-  FrameSolver leader(tree, tracking, markers, options);
-  std::vector<double> q = tree.default_q;
-  for (Piece& piece : pieces) {
-    leader.begin_anew();
-    piece.start_cost = leader.solve(piece.begin, q).final_cost;
-    piece.start_q = q;
-  }
-
-  const int threads = options.threads == 0 ? tbb::info::default_concurrency() : options.threads;
-  // Without this TBB gives no more threads than there are cores, and says so on the terminal.
-  const tbb::global_control allowed(
-      tbb::global_control::max_allowed_parallelism,
-      static_cast<std::size_t>(std::max(threads, tbb::info::default_concurrency())));
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    tbb::parallel_for(
-        std::size_t{0}, pieces.size(),
-        [&](std::size_t i) {
-          if (progress.stopped()) return;
-          FrameSolver solver(tree, tracking, markers, options);
-          solve_piece(pieces[i], solver, progress, result);
-        },
-        tbb::simple_partitioner());
-  });
-
-  // Where the end of one piece leads to a better start of the next, solve that one again.
-  for (std::size_t i = 1; i < pieces.size() && !progress.stopped(); ++i) {
-    for (std::size_t c = 0; c < tree.q_of_coordinate.size(); ++c) {
-      q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
-          result.coordinates(pieces[i].begin - 1, static_cast<Eigen::Index>(c));
-    }
-    leader.begin_anew();
-    const double cost = leader.solve(pieces[i].begin, q).final_cost;
-    if (cost < pieces[i].start_cost * (1.0 - kBetterStart)) {
-      pieces[i].start_q = q;
-      solve_piece(pieces[i], leader, progress, result);
-    }
-  }
-  result.stopped = progress.stopped();
+  Tracker(tree, tracking, markers, options, result).run();
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   result.seconds = elapsed.count();
   return result;
@@ -278,7 +251,7 @@ TrackingResult evaluate_coordinates(const MusculoskeletalModel& model, const Kin
     set_targets(tracking, markers, first_frame + frame, targets);
     FrameResult& out = result.frames[static_cast<std::size_t>(frame)];
     out.cost = cost(tree, tracking.problem, targets, ws);
-    measure(tracking, targets, ws, frame, result);
+    measure_frame(tracking, targets, ws, frame, result);
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include "data/marker_trajectories.h"
 #include "data/time_table.h"
 #include "data/tool_setup.h"
+#include "ik/cold_start.h"
 #include "ik/minimizer.h"
 #include "ik/residuals.h"
 #include "ik/wire_binding.h"
@@ -90,6 +91,8 @@ void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& mark
 
 struct TrackingOptions {
   MinimizerOptions minimizer;
+  ColdStartOptions cold_start;
+  bool unrelated_frames = false;  // no frame follows from the one before: each starts cold
   int first_frame = 0, end_frame = -1;  // [first, end); −1: to the last
   int threads = 0;                      // 0: all cores
   /// Called from time to time with the number of frames done; return false to stop early.
@@ -102,11 +105,19 @@ struct FrameResult {
   Termination termination = Termination::kNone;
   int iterations = -1, evaluations = -1;
   double cost = kNaN;
+  double bound_push = kNaN;  // Summary's
+  double seconds = kNaN;     // of the descent that ended there
   double marker_rms = kNaN;  // over the markers measured in this frame [m]
   double marker_max = kNaN;  // [m]
   int worst_marker = -1;     // index into TrackingProblem::markers
   int measured_markers = 0;
   std::vector<IterationRow> rows;  // filled where the minimizer's options ask for them
+};
+
+/// A frame that was started cold, and what the search for its minimum found.
+struct SearchedFrame {
+  int frame = -1;  // relative to the first one
+  ColdStartResult search;
 };
 
 struct TrackingResult {
@@ -116,17 +127,24 @@ struct TrackingResult {
   RowMatrix wire_lengths;   // frames × tracked wires [m]
   RowMatrix furcations;     // frames × 3·virtual links: p_WV of their origins [m]
   std::vector<FrameResult> frames;
-  double seconds = kNaN;  // wall time of solving
+  std::vector<SearchedFrame> searched;
+  int looked_again = 0, lowered = 0;  // doubtful frames that were searched anew; that ended lower
+  double seconds = kNaN;              // wall time of solving
   bool stopped = false;   // `progress` asked to stop; results are not complete
 };
 
-/// Solves every frame, each started from the solution before it. The recording is cut into pieces
-/// of fixed length; their first frames are solved one after the other, the pieces in parallel, and
-/// a piece whose start turns out worse than what the piece before it leads to is solved again from
-/// there. So the results depend on the recording only, never on the number of threads.
+/// Solves every frame. The first one starts cold, see ColdStart, the others from the solution before
+/// them. The recording is cut into pieces of fixed length; their first frames are solved one after
+/// the other, the pieces in parallel. Where the end of a piece leads to another minimum than the
+/// next one begins with, the frame is searched anew and the lower minimum followed both ways; so it
+/// is where a solution is doubtful, see look_again(). The results depend on the recording only,
+/// never on the number of threads.
 TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tree,
                      const TrackingProblem& tracking, const MarkerTrajectories& markers,
                      const TrackingOptions& options);
+
+/// A cost that is rounding: a distance of 1e-6 mm on every tracked marker.
+double cost_noise(const TrackingProblem& tracking);
 
 /// Errors of the tracked markers at given coordinates, by the same rules as track(): what compares
 /// another program's solution with ours. coordinates: frames × coordinates of the model.
