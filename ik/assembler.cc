@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "ik/assembler_goal.h"
+#include "ik/second_look.h"
 
 namespace sinew {
 namespace {
@@ -161,12 +162,17 @@ Comparison compare_with_assembler(const MusculoskeletalModel& model, const Kinem
   Comparison result;
   result.angle_rms = result.angle_max = Eigen::VectorXd::Zero(coordinates);
 
-  Minimizer minimizer(tree, tracking.problem, options.minimizer);
+  TrackingOptions ours_options;
+  ours_options.minimizer = options.minimizer;
+  ours_options.cold_start = options.cold_start;
+  ours_options.first_frame = options.first_frame;
+  ours_options.end_frame = end;
+  ours_options.threads = 1;
+  const TrackingResult tracked = track(model, tree, tracking, markers, ours_options);
   AssemblerSolver assembler(model, tracking, options.accuracy);
   AssemblerSolver default_assembler(model, tracking, 0.0);
   result.assembler_default_seconds = 0.0;
   IkTargets targets(tracking.problem);
-  std::vector<double> q = tree.default_q;
   std::vector<double> defaults;
   for (const Coordinate& c : model.coordinates) {
     defaults.push_back(c.clamped ? std::clamp(c.default_value, c.range_min, c.range_max)
@@ -179,17 +185,14 @@ Comparison compare_with_assembler(const MusculoskeletalModel& model, const Kinem
 
   for (int frame = options.first_frame; frame < end; frame += options.every) {
     set_targets(tracking, markers, frame, targets);
-    prescribe(tree, markers.time[frame], q);
     ComparedFrame out;
     out.frame = frame;
     out.time = markers.time[frame];
-    const Summary& summary = minimizer.minimize(targets, q);
-    out.termination = summary.termination;
-    out.seconds = summary.seconds;
-    Eigen::RowVectorXd ours(coordinates);
-    for (Eigen::Index c = 0; c < coordinates; ++c) {
-      ours[c] = q[static_cast<std::size_t>(tree.q_of_coordinate[static_cast<std::size_t>(c)])];
-    }
+    const int index = frame - options.first_frame;
+    const FrameResult& solved = tracked.frames[static_cast<std::size_t>(index)];
+    out.termination = solved.termination;
+    out.seconds = solved.seconds;
+    const Eigen::RowVectorXd ours = tracked.coordinates.row(index);
     row.row(0) = ours;
     const TrackingResult our_errors = plain_cost(frame, row);
     out.cost = our_errors.frames[0].cost;
@@ -212,12 +215,14 @@ Comparison compare_with_assembler(const MusculoskeletalModel& model, const Kinem
     const double theirs_or_noise = std::max(out.assembler_cost, noise);
     const double excess = (std::max(out.cost, noise) - theirs_or_noise) / theirs_or_noise;
     if (!(excess <= result.worst_cost_excess)) result.worst_cost_excess = excess;
-    out.worse = !(excess <= options.tolerance) || !summary.converged();
+    out.worse = !(excess <= options.tolerance) || !converged(solved.termination);
     result.worse_frames += out.worse ? 1 : 0;
     result.assembler_failures += theirs.succeeded ? 0 : 1;
     result.seconds += out.seconds;
     result.assembler_seconds += out.assembler_seconds;
     if (result.frames.empty()) {
+      std::vector<double> q = tree.default_q;
+      read_solution(tree, tracked, index, q);
       result.undetermined = undetermined_coordinates(model, tree, tracking, targets, q);
     }
     result.frames.push_back(out);

@@ -43,6 +43,7 @@ class AssemblerSolver {
 
 struct ComparisonOptions {
   MinimizerOptions minimizer;
+  ColdStartOptions cold_start;
   double accuracy = 1e-7;  // of the Assembler
   int first_frame = 0, end_frame = -1, every = 1;
   /// The verdict: our cost may exceed the Assembler's by this fraction of it.
@@ -76,7 +77,9 @@ struct Comparison {
   bool stopped = false;
 };
 
-/// Solves the chosen frames by both, one thread each, both from their own last solution.
+/// Solves the chosen frames by both, one thread each: ours are those of track() over the whole
+/// range, whose `seconds` are those of the descent of each frame alone; the Assembler goes from its
+/// own last solution.
 /// Costs below those of 1e-6 mm on every marker count as equal, so that
 /// frames which both meet to rounding are not judged by their noise.
 Comparison compare_with_assembler(const MusculoskeletalModel& model, const KinematicTree& tree,

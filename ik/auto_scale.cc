@@ -99,6 +99,7 @@ void AutoScaler::start() {
   TrackingOptions tracking;
   tracking.minimizer = options_.minimizer;
   tracking.threads = options_.threads;
+  tracking.cold_start = options_.cold_start;
   tracking.unrelated_frames = true;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     const TrackingProblem& problem = compiled.problems[s];
@@ -349,6 +350,7 @@ void AutoScaler::describe(const VectorXd& theta) {
 
 void AutoScaleOptions::validate() const {
   minimizer.validate();
+  cold_start.validate();
   const auto require = [](bool good, const char* field, double value, const char* bound) {
     if (good) return;
     throw std::invalid_argument(

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "data/marker_trajectories.h"
+#include "ik/cold_start.h"
 #include "ik/minimizer_options.h"
 #include "model/musculoskeletal_model.h"
 #include "model/scaling.h"
@@ -59,9 +60,10 @@ struct AutoScaleOptions {
   double tolerance = 1e-6;         // it ends when no factor changes by more than this fraction …
   double offset_tolerance = 1e-7;  // … and no marker by more than this [m]
 
-  bool name_unmatched = true;  // as BindingOptions'
-  MinimizerOptions minimizer;  // of each frame's pose
-  int threads = 0;             // 0: all cores; results do not depend on it
+  bool name_unmatched = true;   // as BindingOptions'
+  MinimizerOptions minimizer;   // of each frame's pose
+  ColdStartOptions cold_start;  // of the first search for it
+  int threads = 0;              // 0: all cores; results do not depend on it
   /// Called after every iteration of the outer loop; return false to stop.
   std::function<bool(int done, int total)> progress;
 

@@ -26,6 +26,13 @@ constexpr double kPreferred = 1e-8;
 // The same position to this [m] on every marker is a cost of zero.
 constexpr double kExact = 1e-9;
 
+// Two starts that agree are enough where the cost has no better place beyond a bound. Wrong minima
+// mostly sit on one: where going 0.1 rad beyond it would, by the gradient, save more than this part
+// of the cost, so many starts are made at least. tests/bench/survey.md: with two, 6 of 17 starts of
+// a running Rajagopal body ended in the same wrong minimum.
+constexpr double kReach = 0.1, kHeldBack = 0.02;
+constexpr int kLeastStarts = 8;
+
 // How far unbounded joints turn from their default in random poses [rad], and the number that all
 // seeds start from.
 constexpr double kRandomTurn = 1.2;
@@ -155,7 +162,24 @@ struct ColdStart::Found {
   Start start;
   std::vector<double> q;
   Summary summary;
+  bool plausible = true;
 };
+
+bool joints_are_plausible(const KinematicTree& tree, std::span<const double> q) {
+  const auto turned_too_far = [&](int entry) {
+    const auto i = static_cast<std::size_t>(entry);
+    return std::abs(q[i] - tree.default_q[i]) > std::numbers::pi;
+  };
+  for (const KinematicTree::Link& link : tree.links) {
+    for (int i = 0; i < link.rotation_count + link.translation_count; ++i) {
+      const KinematicTree::Step& step = tree.steps[static_cast<std::size_t>(link.first_step + i)];
+      if (step.q >= 0 && step.function >= 0 && turned_too_far(step.q)) return false;
+    }
+  }
+  return std::none_of(
+      tree.couplings.begin(), tree.couplings.end(),
+      [&](const KinematicTree::Coupling& c) { return turned_too_far(c.independent_q); });
+}
 
 void ColdStartOptions::validate() const {
   if (starts < 1) {
@@ -189,8 +213,8 @@ Minimizer& ColdStart::helper(int kind) {
     MinimizerOptions options = options_;
     options.method = method_of(kind, tree_, options_.method);
     options.gradient_tolerance = std::max(options_.gradient_tolerance, kHelperTolerance);
-    options.max_iterations =
-        std::min(options_.max_iterations, kind == kQuasiNewton ? kBfgsIterations : kHelperIterations);
+    options.max_iterations = std::min(options_.max_iterations,
+                                      kind == kQuasiNewton ? kBfgsIterations : kHelperIterations);
     options.record_iterations = false;
     minimizer = std::make_unique<Minimizer>(relaxed_, problem_, options);
   }
@@ -279,23 +303,32 @@ void ColdStart::descend(const Start& start, const IkTargets& targets, std::vecto
     evaluations += helper(start.helper).minimize(targets, q).evaluations;
   }
   const Summary& summary = final_.minimize(targets, q);
-  found_.push_back({start, q, summary});
+  found_.push_back({start, q, summary, joints_are_plausible(tree_, q)});
   found_.back().summary.evaluations += evaluations;
 }
 
 // Whether the lowest cost has been met by two starts that are independent; counts those that did.
 bool ColdStart::agreed() {
   const double most = lowest_ * (1.0 + kSameCost) + exact_;
+  const auto is_lowest = [&](const Found& f) {
+    return f.plausible && f.summary.final_cost <= most;
+  };
   result_.agreeing = 0;
   bool agreed = false;
   for (const Found& a : found_) {
-    if (!(a.summary.final_cost <= most)) continue;
+    if (!is_lowest(a)) continue;
     ++result_.agreeing;
     for (const Found& b : found_) {
-      agreed = agreed || (b.summary.final_cost <= most && a.start.independent_of(b.start));
+      agreed = agreed || (is_lowest(b) && a.start.independent_of(b.start));
     }
   }
   return agreed;
+}
+
+// Whether a bound of the best solution so far holds back much of the cost.
+bool ColdStart::is_held_back() const {
+  const Summary& summary = best().summary;
+  return kReach * summary.bound_push > kHeldBack * summary.final_cost;
 }
 
 void ColdStart::search(const IkTargets& targets, std::span<const double> given, bool again) {
@@ -314,15 +347,17 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
     std::vector<double> q = pose(start, targets, given);
     descend(start, targets, q);
     const double cost = found_.back().summary.final_cost;
-    if (cost < lowest_) lowest_ = cost;
+    if (found_.back().plausible && cost < lowest_) lowest_ = cost;
     result_.starts = i + 1;
     result_.agreed = agreed();
-    if (lowest_ <= exact_ || result_.agreed) break;
+    if (lowest_ <= exact_) break;
+    if (result_.agreed && (again || result_.starts >= kLeastStarts || !is_held_back())) break;
   }
   result_.lowest = lowest_;
   for (const Found& found : found_) {
     const double cost = found.summary.final_cost;
-    if (cost > lowest_ * (1.0 + kSameCost) + exact_ && !(cost >= result_.second_lowest)) {
+    if (found.plausible && cost > lowest_ * (1.0 + kSameCost) + exact_ &&
+        !(cost >= result_.second_lowest)) {
       result_.second_lowest = cost;
     }
   }
@@ -331,8 +366,9 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
 // Of the starts that ended lowest, the first.
 const ColdStart::Found& ColdStart::best() const {
   const double most = lowest_ * (1.0 + kPreferred) + exact_;
-  const auto found = std::find_if(found_.begin(), found_.end(),
-                                  [&](const Found& f) { return f.summary.final_cost <= most; });
+  const auto found = std::find_if(found_.begin(), found_.end(), [&](const Found& f) {
+    return f.plausible && f.summary.final_cost <= most;
+  });
   return found == found_.end() ? found_.front() : *found;
 }
 
@@ -353,7 +389,7 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
   found_.clear();
   lowest_ = kInfinity;
   if (search_.starts == 1) {  // the given pose, as it is
-    found_.push_back({{}, std::vector<double>(q.begin(), q.end()), {}});
+    found_.push_back({{}, std::vector<double>(q.begin(), q.end()), {}, true});
     found_.back().summary = final_.minimize(targets, found_.back().q);
     lowest_ = found_.back().summary.final_cost;
     result_ = {1, 1, false, lowest_, kNaN};
@@ -367,7 +403,7 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
 bool ColdStart::look_again(const IkTargets& targets, std::span<double> q, double cost) {
   const std::vector<double> doubted(q.begin(), q.end());
   found_.clear();
-  found_.push_back({{}, doubted, {}});
+  found_.push_back({{}, doubted, {}, true});
   found_.back().summary.final_cost = lowest_ = cost;
   found_.back().summary.evaluations = 0;
   search(targets, doubted, true);

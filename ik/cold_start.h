@@ -10,6 +10,11 @@
 
 namespace sinew {
 
+/// False where a joint that functions follow, as the shifts of a knee follow its angle, has turned
+/// by more than half a turn from its default: knees do not turn so far, and the functions are lines
+/// there. Other joints may be anywhere: whole turns away they are where they should be.
+bool joints_are_plausible(const KinematicTree& tree, std::span<const double> q);
+
 struct ColdStartOptions {
   // Most starts of a search; 1: the given one alone. tests/bench/survey.md has what more gain.
   int starts = 24;
@@ -20,8 +25,8 @@ struct ColdStartOptions {
 
 /// What a search found.
 struct ColdStartResult {
-  int starts = 0;     // that were made
-  int agreeing = 0;   // of these, how many ended at the lowest cost
+  int starts = 0;       // that were made
+  int agreeing = 0;     // of these, how many ended at the lowest cost
   bool agreed = false;  // two that are independent did
   double lowest = kNaN;
   double second_lowest = kNaN;  // cost of the next higher minimum; NaN where none was found
@@ -36,7 +41,9 @@ struct ColdStartResult {
 /// imposed afterwards, and the method is the options' own or another one that fails elsewhere
 /// (BFGS, or L-BFGS for many unknowns; Levenberg-Marquardt). All end by the options' method at its
 /// own tolerance. The search stops when two starts that differ in pose and method agree on the
-/// lowest cost to 1e-6 of it, when the cost is zero to rounding, or at the number of starts.
+/// lowest cost to 1e-6 of it, not before eight where a bound holds back much of the cost, when the
+/// cost is zero to rounding, or at the number of starts. Minima that are not plausible, see
+/// joints_are_plausible(), do not count.
 ///
 /// Nothing of it depends on time or threads. Keeps references to tree and problem. Allocates.
 class ColdStart {
@@ -68,6 +75,7 @@ class ColdStart {
   std::vector<double> outward(const IkTargets& targets, std::vector<double> q);
   void descend(const Start& start, const IkTargets& targets, std::vector<double>& q);
   bool agreed();
+  bool is_held_back() const;
   void search(const IkTargets& targets, std::span<const double> given, bool again);
   const Found& best() const;
   void settle(std::span<double> q);
@@ -82,7 +90,7 @@ class ColdStart {
   double exact_ = 0.0;  // a cost that is zero to rounding
   Minimizer final_;
   std::vector<std::unique_ptr<Minimizer>> helpers_;  // on relaxed_, made when first asked for
-  std::vector<char> turns_;  // unknowns: 1 turns, 0 shifts
+  std::vector<char> turns_;                          // unknowns: 1 turns, 0 shifts
   std::vector<Found> found_;
   double lowest_ = kNaN;
   ColdStartResult result_;

@@ -28,7 +28,7 @@ void measure_wires(const TrackingProblem& tracking, const KinematicWorkspace& ws
 }  // namespace
 
 void measure_frame(const TrackingProblem& tracking, const IkTargets& targets,
-             const KinematicWorkspace& ws, int index, TrackingResult& result) {
+                   const KinematicWorkspace& ws, int index, TrackingResult& result) {
   measure_wires(tracking, ws, index, result);
   auto errors = result.marker_errors.row(index);
   FrameResult& frame = result.frames[static_cast<std::size_t>(index)];

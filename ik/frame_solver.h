@@ -45,7 +45,7 @@ class FrameSolver {
   const MarkerTrajectories& markers_;
   const TrackingOptions& options_;
   Minimizer minimizer_;
-  std::optional<ColdStart> cold_;  // made when first needed
+  std::optional<ColdStart> cold_;         // made when first needed
   KinematicWorkspace* solved_ = nullptr;  // kinematics of the last solution
   IkTargets targets_;
   WarmStart warm_start_;

@@ -133,6 +133,7 @@ void summarize_fit(const TrackingProblem& tracking, MarkerPlacementResult& resul
 
 void MarkerPlacementOptions::validate() const {
   minimizer.validate();
+  cold_start.validate();
   if (!(default_weight >= 0.0) || !std::isfinite(default_weight)) {
     throw std::invalid_argument(fmt::format(
         "MarkerPlacementOptions.default_weight is {}; expected 0 or more", default_weight));

@@ -70,8 +70,8 @@ BoundPlacement bind_placement(const MusculoskeletalModel& model, const Kinematic
                               const MarkerPlacementOptions& options);
 
 /// OpenSim's MarkerPlacer: averages the static trial, finds the pose by weighted least squares on
-/// the markers and coordinate tasks, lowest of several starts (ColdStart), and moves every marker that is not
-/// fixed to where it was measured. The default pose of the model stays. As in OpenSim,
+/// the markers and coordinate tasks, lowest of several starts (ColdStart), and moves every marker
+/// that is not fixed to where it was measured. The default pose of the model stays. As in OpenSim,
 ///
 ///     ½ Σ w_m |Δp_m|² / Σ w_m + ½ Σ w_c Δq_c²
 ///

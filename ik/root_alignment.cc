@@ -89,8 +89,7 @@ bool set_joint(const KinematicTree& tree, const KinematicTree::Link& link,
   if (!turns || !shifts) return false;
   // In the axes' own frame the turns are about x, y and z; backwards if the axes are left-handed.
   const double handed = turns->determinant() < 0.0 ? -1.0 : 1.0;
-  const Vector3d angles =
-      handed * body_xyz_from_rotation(turns->transpose() * X_FM.R * *turns);
+  const Vector3d angles = handed * body_xyz_from_rotation(turns->transpose() * X_FM.R * *turns);
   const Vector3d lengths = shifts->inverse() * X_FM.p;
   for (int i = 0; i < 3; ++i) {
     q_of(tree, link.first_step + i, q) = angles[i];

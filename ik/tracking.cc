@@ -104,15 +104,13 @@ void in_parallel(int threads, std::size_t count, const Body& body) {
       tbb::global_control::max_allowed_parallelism,
       static_cast<std::size_t>(std::max(threads, tbb::info::default_concurrency())));
   tbb::task_arena arena(threads);
-  arena.execute(
-      [&] { tbb::parallel_for(std::size_t{0}, count, body, tbb::simple_partitioner()); });
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, body, tbb::simple_partitioner()); });
 }
 
 class Tracker {
  public:
   Tracker(const KinematicTree& tree, const TrackingProblem& tracking,
-          const MarkerTrajectories& markers, const TrackingOptions& options,
-          TrackingResult& result)
+          const MarkerTrajectories& markers, const TrackingOptions& options, TrackingResult& result)
       : tree_(tree),
         tracking_(tracking),
         markers_(markers),
@@ -128,7 +126,8 @@ class Tracker {
     } else {
       solve_pieces();
       join_pieces();
-      look_again(leader_, tree_, tracking_, [&] { return progress_.ask(); }, result_);
+      look_again(
+          leader_, tree_, tracking_, [&] { return progress_.ask(); }, result_);
     }
     result_.stopped = progress_.stopped();
   }
@@ -154,8 +153,7 @@ class Tracker {
     for (Piece& piece : pieces_) {
       leader_.begin_anew();
       const bool first = piece.begin == 0;
-      const Summary& summary =
-          first ? leader_.solve_cold(0, q) : leader_.solve(piece.begin, q);
+      const Summary& summary = first ? leader_.solve_cold(0, q) : leader_.solve(piece.begin, q);
       leader_.store(piece.begin, summary, q, result_);
       if (first) result_.searched.push_back({0, leader_.search()});
       piece.start_q = q;

@@ -92,7 +92,7 @@ void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& mark
 struct TrackingOptions {
   MinimizerOptions minimizer;
   ColdStartOptions cold_start;
-  bool unrelated_frames = false;  // no frame follows from the one before: each starts cold
+  bool unrelated_frames = false;        // no frame follows from the one before: each starts cold
   int first_frame = 0, end_frame = -1;  // [first, end); −1: to the last
   int threads = 0;                      // 0: all cores
   /// Called from time to time with the number of frames done; return false to stop early.
@@ -130,15 +130,15 @@ struct TrackingResult {
   std::vector<SearchedFrame> searched;
   int looked_again = 0, lowered = 0;  // doubtful frames that were searched anew; that ended lower
   double seconds = kNaN;              // wall time of solving
-  bool stopped = false;   // `progress` asked to stop; results are not complete
+  bool stopped = false;               // `progress` asked to stop; results are not complete
 };
 
-/// Solves every frame. The first one starts cold, see ColdStart, the others from the solution before
-/// them. The recording is cut into pieces of fixed length; their first frames are solved one after
-/// the other, the pieces in parallel. Where the end of a piece leads to another minimum than the
-/// next one begins with, the frame is searched anew and the lower minimum followed both ways; so it
-/// is where a solution is doubtful, see look_again(). The results depend on the recording only,
-/// never on the number of threads.
+/// Solves every frame. The first one starts cold, see ColdStart, the others from the solution
+/// before them. The recording is cut into pieces of fixed length; their first frames are solved one
+/// after the other, the pieces in parallel. Where the end of a piece leads to another minimum than
+/// the next one begins with, the frame is searched anew and the lower minimum followed both ways;
+/// so it is where a solution is doubtful, see look_again(). The results depend on the recording
+/// only, never on the number of threads.
 TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tree,
                      const TrackingProblem& tracking, const MarkerTrajectories& markers,
                      const TrackingOptions& options);

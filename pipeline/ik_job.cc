@@ -73,6 +73,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
       frames_within(job.recording.markers.time, inputs.range, job.recording.path, job.warnings);
   job.options.minimizer.method = method_from_string(inputs.method);
   job.options.minimizer.gradient_tolerance = inputs.tolerance;
+  job.options.cold_start.starts = inputs.starts;
   job.options.minimizer.record_iterations = inputs.record_iterations;
   job.options.threads = inputs.threads;
   return job;

@@ -35,6 +35,7 @@ struct IkInputs {
   TimeRange range;
   std::string method = "gauss-newton";
   double tolerance = MinimizerOptions{}.gradient_tolerance;
+  int starts = ColdStartOptions{}.starts;
   WireOptions wires;
   bool name_unmatched = true;            // as BindingOptions'
   std::filesystem::path filled_file;     // which samples were filled in; may be empty

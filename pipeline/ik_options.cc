@@ -25,6 +25,12 @@ void IkOptions::add_to(CLI::App& command) {
       ->check(more_than_zero())
       ->capture_default_str();
   command
+      .add_option("--starts", starts,
+                  "Most starts of the search for the lowest minimum where no solved frame leads to "
+                  "a frame; 1: the default pose alone")
+      ->check(a_start_count())
+      ->capture_default_str();
+  command
       .add_option(
           "--wires", wires,
           "Whether muscles, tendons and ligaments may not exceed their natural length: all, "
@@ -69,6 +75,7 @@ IkInputs IkOptions::inputs() const {
   inputs.range.to = to;
   inputs.method = method;
   inputs.tolerance = tolerance;
+  inputs.starts = starts;
   inputs.wires = wire_options;
   inputs.wires.use = wires == "all"    ? WireOptions::Use::kAll
                      : wires == "none" ? WireOptions::Use::kNone

@@ -16,6 +16,7 @@ struct IkOptions {
   std::optional<double> from, to;
   std::string method = IkInputs{}.method;
   double tolerance = IkInputs{}.tolerance;
+  int starts = ColdStartOptions{}.starts;
   std::string wires = "auto";
   WireOptions wire_options;
   int threads = 0;

@@ -52,6 +52,11 @@ CLI::Validator a_stride() {
                       [](double x) { return integer(x) && x >= 1.0 && x <= 1e9; });
 }
 
+CLI::Validator a_start_count() {
+  return number_check("a number of starts, 1 to 1000",
+                      [](double x) { return integer(x) && x >= 1.0 && x <= 1000.0; });
+}
+
 CLI::Validator a_cutoff() {
   return number_check("a frequency in Hz above 0, or negative for no filter",
                       [](double x) { return std::isfinite(x) && x != 0.0; });

@@ -15,6 +15,7 @@ CLI::Validator more_than_zero();  // finite
 CLI::Validator zero_or_more();    // finite
 CLI::Validator a_thread_count();  // 0 to 1024
 CLI::Validator a_stride();        // an integer, 1 or more
+CLI::Validator a_start_count();   // 1 to 1000
 CLI::Validator a_cutoff();        // positive [Hz], or negative for none
 
 /// Names separated by commas; `none` is no name.

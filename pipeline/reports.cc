@@ -49,6 +49,33 @@ Json not_converged(const TrackingResult& result) {
 
 }  // namespace
 
+Json search_json(const ColdStartResult& search) {
+  return {{"starts", search.starts},
+          {"starts_at_lowest", search.agreeing},
+          {"independent_starts_agree", search.agreed},
+          {"lowest_cost", number(search.lowest)},
+          {"second_lowest_cost", number(search.second_lowest)}};
+}
+
+namespace {
+
+// What the frames that started cold, or were doubted, were compared with.
+Json search_summary(const TrackingResult& result, const TrackingOptions& options) {
+  Json json;
+  json["most_starts"] = options.cold_start.starts;
+  json["doubtful_frames"] = result.looked_again;
+  json["lowered_frames"] = result.lowered;
+  json["frames"] = Json::array();
+  for (const SearchedFrame& searched : result.searched) {
+    Json frame = {{"time_s", result.time[searched.frame]}};
+    frame.update(search_json(searched.search));
+    json["frames"].push_back(frame);
+  }
+  return json;
+}
+
+}  // namespace
+
 std::vector<MarkerError> marker_errors(const TrackingProblem& tracking,
                                        const TrackingResult& result) {
   std::vector<MarkerError> errors;
@@ -170,6 +197,7 @@ Json ik_summary(const TrackingProblem& tracking, const TrackingResult& result,
   json["iterations_per_frame"] = static_cast<double>(iterations) / frames;
   json["frames_not_converged"] = unconverged_frames(result);
   json["not_converged"] = not_converged(result);
+  json["searches"] = search_summary(result, options);
   json["marker_rms_m"] = number(total_marker_rms(result));
   if (worst_marker != nullptr) {
     json["worst_marker"] = {{"name", worst_marker->name},

@@ -30,6 +30,9 @@ std::string marker_errors_csv(const std::vector<MarkerError>& errors);
 /// how the frame ended, then the error of every marker [m], empty where it was not measured.
 std::string frame_errors_csv(const TrackingProblem& tracking, const TrackingResult& result);
 
+/// A search for the lowest minimum: starts, lowest and second-lowest cost.
+nlohmann::ordered_json search_json(const ColdStartResult& search);
+
 /// The part of summary.json about inverse kinematics.
 nlohmann::ordered_json ik_summary(const TrackingProblem& tracking, const TrackingResult& result,
                                   const TrackingOptions& options);

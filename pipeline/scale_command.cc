@@ -82,7 +82,14 @@ struct ScaleCommand {
   std::string setup_file, model, marker_set, static_trial, factors, tasks, coordinates, name;
   std::string out, out_dir, scale_set, motion, json;
   std::optional<double> mass, from, until;
+  int starts = ColdStartOptions{}.starts;
   bool preserve_masses = false, keep_markers = false;
+
+  MarkerPlacementOptions placement_options() const {
+    MarkerPlacementOptions options;
+    options.cold_start.starts = starts;
+    return options;
+  }
 
   // Setup and options in one; what the command line says goes first.
   ScaleSetup gather() const {
@@ -189,6 +196,7 @@ struct ScaleCommand {
     job.from = from;
     job.to = until;
     job.options = automatic.gather();
+    job.options.cold_start.starts = starts;
     if (automatic.technical) job.technical = split_names(*automatic.technical);
     for (const std::string& recording : recordings) inputs.emplace_back("markers", recording);
     check_outputs(to.all(), inputs);
@@ -213,7 +221,7 @@ struct ScaleCommand {
       throw std::invalid_argument("--motion needs the static pose: give --static FILE.trc");
     }
     check_outputs(to.all(), input_files(setup));
-    const ScaledModel scaled = run_scale({setup, std::nullopt, {}});
+    const ScaledModel scaled = run_scale({setup, std::nullopt, placement_options()});
     report(warnings, scaled.warnings);
     write(scaled, to);
     return scaled.placement && !converged(scaled.placement->termination) ? kExitFailed : kExitOk;
@@ -265,6 +273,10 @@ void add_scale_command(CLI::App& app, int& exit_code) {
   sub->add_option("--from", c.from, "First time of the static trial to use [s]")->check(a_time());
   sub->add_option("--to", c.until, "Last time of the static trial to use [s]")->check(a_time());
   sub->add_option("--name", c.name, "Name of the scaled model");
+  sub->add_option("--starts", c.starts,
+                  "Most starts of the search for a pose; 1: the default pose alone")
+      ->check(a_start_count())
+      ->capture_default_str();
   sub->add_option("--out", c.out, "Scaled model to write (.osim)");
   sub->add_option("--out-dir", c.out_dir, "Folder for the outputs that the setup names");
   sub->add_option("--scale-set", c.scale_set, "Write the factors applied, as a scale set (.xml)");

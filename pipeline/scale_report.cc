@@ -95,6 +95,7 @@ Json placement_json(const MarkerPlacementResult& p) {
           {"termination", to_string(p.termination)},
           {"marker_rms_m", number(p.marker_rms)},
           {"marker_max_m", number(p.marker_max)},
+          {"search", search_json(p.search)},
           {"markers", markers}};
 }
 

@@ -34,6 +34,7 @@ struct ValidateCommand {
     report(warnings, job.warnings);
     ComparisonOptions options;
     options.minimizer = job.options.minimizer;
+    options.cold_start = job.options.cold_start;
     options.accuracy = accuracy;
     options.first_frame = job.options.first_frame;
     options.end_frame = job.options.end_frame;

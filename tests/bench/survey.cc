@@ -1,6 +1,7 @@
 // Starts every pair of a list from many poses with every method and tells how often each ends at
 // the lowest minimum that any found. Usage: survey LIST [STARTS] [FRAMES]; a line of LIST is
-// `name|model|markers|tasks or empty|from|to|walk or static`.
+// `name|model|markers|tasks|from|to|walk or static`; tasks, which may be empty, are an IK setup or
+// task set, or of a static trial a ScaleTool setup.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <random>
 #include <sstream>
 
+#include "data/scale_setup.h"
 #include "data/tool_setup.h"
 #include "data/trc_file.h"
 #include "ik/cold_start.h"
@@ -40,7 +42,8 @@ std::vector<Pair> read_list(const std::string& path) {
     std::vector<std::string> cells;
     std::stringstream stream(line);
     for (std::string cell; std::getline(stream, cell, '|');) cells.push_back(cell);
-    if (cells.size() != 7) throw std::runtime_error("a line of the list has not seven cells: " + line);
+    if (cells.size() != 7)
+      throw std::runtime_error("a line of the list has not seven cells: " + line);
     Pair pair{cells[0], cells[1], cells[2], cells[3]};
     if (!cells[4].empty()) pair.from = std::stod(cells[4]);
     if (!cells[5].empty()) pair.to = std::stod(cells[5]);
@@ -85,7 +88,10 @@ int main_of_survey(const std::string& list, int starts, int frames) {
     const KinematicTree tree = compile_tree(model);
     MarkerFile recording = read_trc(pair.markers);
     std::optional<IkTaskSet> tasks;
-    if (!pair.tasks.empty()) tasks = read_ik_task_set(pair.tasks);
+    if (!pair.tasks.empty()) {
+      tasks =
+          pair.still ? read_scale_setup(pair.tasks).placer.task_set : read_ik_task_set(pair.tasks);
+    }
     TrackingProblem tracking;
     if (pair.still) {
       MarkerPlacementOptions options;
@@ -106,7 +112,8 @@ int main_of_survey(const std::string& list, int starts, int frames) {
     std::vector<int> chosen;
     const int count = std::min<int>(frames, static_cast<int>(inside.size()));
     for (int i = 0; i < count; ++i) {
-      chosen.push_back(inside[count == 1 ? 0 : i * (inside.size() - 1) / static_cast<std::size_t>(count - 1)]);
+      chosen.push_back(
+          inside[count == 1 ? 0 : i * (inside.size() - 1) / static_cast<std::size_t>(count - 1)]);
     }
     std::vector<Score> scores(std::size(kMethods) + 1);
     double searches = 0.0, search_starts = 0.0;
@@ -115,6 +122,9 @@ int main_of_survey(const std::string& list, int starts, int frames) {
       IkTargets targets(tracking.problem);
       set_targets(tracking, recording.markers, frame, targets);
       std::vector<std::vector<double>> costs(scores.size());
+      std::vector<std::string> notes;
+      double lowest_pose_cost = INFINITY;
+      std::vector<double> lowest_pose;
       std::mt19937_64 random(static_cast<std::uint64_t>(1000 + frame));
       std::vector<std::vector<double>> poses = {tree.default_q};
       for (int s = 0; s < starts; ++s) poses.push_back(random_pose(tree, random));
@@ -125,7 +135,7 @@ int main_of_survey(const std::string& list, int starts, int frames) {
         std::optional<ColdStart> cold;
         if (m < std::size(kMethods)) {
           options.method = kMethods[m];
-          options.time_limit = 5.0;
+          options.max_iterations = 500;  // or damping would creep for seconds
           minimizer.emplace(tree, tracking.problem, options);
         } else {
           cold.emplace(tree, tracking.problem, options, ColdStartOptions{});
@@ -140,9 +150,22 @@ int main_of_survey(const std::string& list, int starts, int frames) {
             searches += 1.0;
             search_starts += cold->result().starts;
           }
-          costs[m].push_back(cost);
+          costs[m].push_back(joints_are_plausible(tree, q) ? cost : INFINITY);
+          if (getenv("SV_POSE") && cost < lowest_pose_cost) {
+            lowest_pose_cost = cost;
+            lowest_pose = q;
+          }
+          if (cold)
+            notes.push_back(fmt::format("starts {} agreeing {} agreed {} push/cost {:.3g}",
+                                        cold->result().starts, cold->result().agreeing,
+                                        cold->result().agreed, cold->summary().bound_push / cost));
         }
       }
+      if (getenv("SV_POSE"))
+        for (std::size_t c = 0; c < model.coordinates.size(); ++c)
+          fmt::print(stderr, "    {} {:.3f} [{:.2f} {:.2f}] {}\n", model.coordinates[c].name,
+                     lowest_pose[tree.q_of_coordinate[c]], model.coordinates[c].range_min,
+                     model.coordinates[c].range_max, model.coordinates[c].clamped);
       double lowest = INFINITY;
       for (const auto& of_method : costs) {
         for (const double cost : of_method) lowest = std::min(lowest, cost);
@@ -155,8 +178,8 @@ int main_of_survey(const std::string& list, int starts, int frames) {
           scores[m].random += s > 0;
           scores[m].worst = std::max(scores[m].worst, excess);
           if (m == std::size(kMethods) && !met) {
-            fmt::print(stderr, "  {} frame {} start {}: {:.9e} above {:.9e}\n", pair.name, frame, s,
-                       costs[m][s], lowest);
+            fmt::print(stderr, "  {} frame {} start {}: {:.9e} above {:.9e}, {}\n", pair.name,
+                       frame, s, costs[m][s], lowest, notes[s]);
           }
         }
       }
@@ -166,8 +189,9 @@ int main_of_survey(const std::string& list, int starts, int frames) {
       fmt::print(" {}/{}, {:.0f} % |", s.lowest_from_default, chosen.size(),
                  s.random ? 100.0 * s.lowest_from_random / s.random : 100.0);
     }
-    fmt::print(" {:.1e} | {:.1f} | {:.2f} | {:.2f} |\n", scores.back().worst, search_starts / searches,
-               1e3 * scores.back().seconds / searches, 1e3 * scores.front().seconds / searches);
+    fmt::print(" {:.1e} | {:.1f} | {:.2f} | {:.2f} |\n", scores.back().worst,
+               search_starts / searches, 1e3 * scores.back().seconds / searches,
+               1e3 * scores.front().seconds / searches);
     std::fflush(stdout);
   }
   return 0;
