@@ -1,0 +1,112 @@
+#!/usr/bin/env bash
+# Starts frames of every model and recording in ../shared/data, static trials and the embedded walk
+# included, from the default pose and from seeded random ones by every method and by the search
+# that cold frames get, and writes how often each ends at the lowest cost that any found.
+# Usage: bash tests/bench/survey.sh [STARTS] [FRAMES]     (default: 16 5) → tests/bench/survey.md
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+starts=${1:-16} frames=${2:-5}
+data=$PWD/../shared/data
+[[ -d $data ]] || { echo "survey.sh: no recordings: $data is missing" >&2; exit 1; }
+
+cmake --preset release >/dev/null
+cmake --build --preset release --target sinew survey
+sinew=$PWD/build/release/bin/sinew
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+list=$work/list
+
+models=$data/opensim-models arnold=$data/nimblephysics/Arnold2013Synthetic
+core=$data/opensim-core/Applications bmc="$data/BMC/data/opensim/Mod&Sim2018"
+rajagopal=$models/Rajagopal_run/Rajagopal2016.osim
+
+# name model markers tasks from to kind
+pair() { (IFS='|'; echo "$*") >>"$list"; }
+
+# A ScaleTool setup's scaled model before markers are placed, and after.
+scaled() { # folder model options…
+  local folder=$work/$1 model=$2
+  shift 2
+  "$sinew" scale --model "$model" "$@" --out-dir "$folder" >/dev/null 2>&1 || true
+}
+
+# Everything that `sinew run` made of a laboratory's trial.
+laboratory() { # name c3d static
+  local folder=$work/$1 name=$1
+  "$sinew" run --c3d "$2" ${3:+--static "$3"} --model "$rajagopal" --out "$folder" \
+    >/dev/null 2>&1 || true
+  [[ -f $folder/ik_tasks.xml ]] || { echo "survey.sh: $name could not be run" >&2; return; }
+  pair "$name, walk" "$folder/model.osim" "$folder/markers.trc" "$folder/ik_tasks.xml" "" "" walk
+  [[ -z ${3:-} ]] || pair "$name, static" "$folder/model.osim" "$folder/static.trc" "" "" "" static
+}
+
+static_pair() { # name setup model set static
+  local folder=$work/$1
+  mkdir -p "$folder"
+  "$sinew" scale --setup "$2" --model "$3" ${4:+--marker-set "$4"} --keep-markers \
+    --out-dir "$folder" >/dev/null 2>&1 || true
+  local only
+  only=$(find "$folder" -name '*.osim' | head -n 1)
+  [[ -n $only ]] || { echo "survey.sh: $1 could not be scaled" >&2; return; }
+  pair "$1, static" "$only" "$5" "$2" "" "" static
+}
+
+static_pair Rajagopal_run "$models/Rajagopal_run/Scale/scale_setup_run.xml" "$rajagopal" "" \
+  "$models/Rajagopal_run/ExpData/static_run.trc"
+static_pair Gait2354 "$models/Gait2354_Simbody/subject01_Setup_Scale.xml" \
+  "$models/Gait2354_Simbody/gait2354_simbody.osim" \
+  "$models/Gait2354_Simbody/gait2354_Scale_MarkerSet.xml" \
+  "$models/Gait2354_Simbody/subject01_static.trc"
+static_pair Scale-test "$core/Scale/tests/resources/subject01_Setup_Scale.xml" \
+  "$core/Scale/tests/resources/gait2354_simbody.osim" \
+  "$core/Scale/tests/resources/gait2354_Scale_MarkerSet.xml" \
+  "$core/Scale/tests/resources/subject01_static.trc"
+scaled run "$rajagopal" --setup "$models/Rajagopal_run/Scale/scale_setup_run.xml"
+pair "Rajagopal_run, run" "$work/run/subject_scaled_run.osim" \
+  "$models/Rajagopal_run/ExpData/motion_capture_run.trc" \
+  "$models/Rajagopal_run/IK/ik_setup_run.xml" "" "" walk
+pair "Gait2354, walk" "$models/Gait2354_Simbody/subject01_simbody.osim" \
+  "$models/Gait2354_Simbody/subject01_walk1.trc" \
+  "$models/Gait2354_Simbody/subject01_Setup_IK.xml" 0.4 1.6 walk
+pair "IK-test, walk" "$core/IK/tests/resources/subject01_simbody.osim" \
+  "$core/IK/tests/resources/subject01_synthetic_marker_data.trc" \
+  "$core/IK/tests/resources/gait2354_IK_Tasks_uniform.xml" "" "" walk
+gait10=$models/Gait10dof18musc
+pair "Gait10dof18musc, walk" "$gait10/subject01.osim" \
+  "$gait10/ExperimentalData/subject01_walk.trc" "$gait10/IK/walk_Setup_IK.xml" "" "" walk
+pair "Gait10dof18musc, static" "$gait10/subject01.osim" \
+  "$gait10/ExperimentalData/subject01_static.trc" "" "" "" static
+for subject in subject01 subject02; do
+  pair "Arnold2013 $subject, walk" "$arnold/$subject/$subject.osim" \
+    "$arnold/$subject/trials/walk2/markers.trc" "" "" "" walk
+  pair "Arnold2013 unscaled on $subject" "$arnold/unscaled_generic.osim" \
+    "$arnold/$subject/trials/walk2/markers.trc" "" "" "" walk
+done
+pair "BMC, run" "$bmc/Scale/Rajagopal2015_scaled.osim" "$bmc/ExpData/motion_capture_run.trc" \
+  "$bmc/IK/IK_setup.xml" "" "" walk
+laboratory BTKData "$data/BTKData/PiG_Motion-FlatFoot-Full.c3d" \
+  "$data/BTKData/PiG_Calibration-FlatFoot-Full.c3d"
+laboratory sample_09 "$data/c3d.org/sample_09/PlugInC3D.c3d"
+laboratory sample_01 "$data/c3d.org/sample_01/Eb015pi.c3d"
+"$sinew" example --out "$work/detailed" >/dev/null
+"$sinew" example --level simplified --out "$work/simplified" >/dev/null
+for level in simplified detailed; do
+  pair "embedded walk, $level" "$work/$level/model.osim" "$work/$level/walk.trc" \
+    "$work/$level/ik_tasks.xml" "" "" walk
+done
+
+report=tests/bench/survey.md
+{
+  cat <<TEXT
+# Minima from the default pose and from $starts random ones
+
+Written by \`tests/bench/survey.sh\`. A cell says in how many of the frames the method ends at the
+lowest cost from the default pose, and from how many of the random poses; the lowest is that of all
+methods, starts and searches, and is met within 1e-6 of it. \`search\` is what frames get that start
+cold. Poses in which a joint that functions follow has turned by more than half a turn do not count.
+
+TEXT
+  build/release/bin/survey "$list" "$starts" "$frames"
+} >"$work/report"
+mv "$work/report" "$report"
+echo "$report"
