@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sinew {
 namespace {
@@ -21,6 +22,14 @@ constexpr double kFade = 0.1;
 
 // And after a bad one, twice as much after each in turn.
 constexpr double kGrowth = 10.0;
+
+// Steps below this [rad or m] end near the minimum, where all second derivatives lead closer than
+// JᵀΣJ. TODO
+constexpr double kNear = 0.1;
+
+// How far below its tolerance the gradient is to end, by the estimate, for a factorization to serve
+// again.
+constexpr double kSafety = 0.5;
 
 // Rounds in which wires are added to one model that a step from it pulls taut: two or three serve.
 constexpr int kMostRounds = 10;
@@ -54,6 +63,7 @@ void GaussNewton::start() {
   relative_mu_ = force_.empty() ? options_.damping : std::max(options_.damping, kWireDamping);
   growth_ = kGrowth;
   first_ = true;
+  repeatable_ = false;
 }
 
 // The model without its wires, and how long these are now.
@@ -71,6 +81,7 @@ void GaussNewton::assemble(const Iterate& at, bool newton) {
   first_ = false;
   gradient_ = at.g.reverse();
   stop_.setZero();
+  stops_ = false;
   std::reverse_copy(at.held.begin(), at.held.end(), held_.begin());
 }
 
@@ -123,9 +134,13 @@ bool GaussNewton::minimize_with_wires(const Iterate& at) {
     for (std::size_t k = 0; k < row_.size(); ++k) rhs_[indices_[k]] += force * row_[k];
     stored_ += 0.5 * force * excess[i];
   }
-  solution_.setZero();  // H · stop for what is held
-  factor_.add_product(stop_, solution_);
-  solution_ = rhs_ - solution_;
+  if (stops_) {  // H · stop for what is held
+    solution_.setZero();
+    factor_.add_product(stop_, solution_);
+    solution_ = rhs_ - solution_;
+  } else {
+    solution_ = rhs_;
+  }
   for (Eigen::Index i = 0; i < solution_.size(); ++i) {
     if (held_[static_cast<std::size_t>(i)]) solution_[i] = stop_[i];
   }
@@ -175,13 +190,13 @@ bool GaussNewton::stop_at_bounds(const Iterate& at) {
     if (d_[x] >= lower && d_[x] <= upper) continue;
     held_[reversed] = 1;
     stop_[static_cast<Eigen::Index>(reversed)] = d_[x] < lower ? lower : upper;
-    changed = true;
+    stops_ = changed = true;
   }
   return changed;
 }
 
 bool GaussNewton::minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eigen::VectorXd> d) {
-  const bool may_fail = newton && model_ == NewtonModel::kAutomatic;
+  const bool may_fail = newton && model_ != NewtonModel::kNewton;
   assemble(at, newton);
   if (!factorize(may_fail)) return false;
   minimize_with_wires(at);
@@ -190,6 +205,11 @@ bool GaussNewton::minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eige
     minimize_with_wires(at);
   }
   d = d_;
+  repeatable_ = force_.empty() && holds_same(at);
+  if (repeatable_) {  // (H + μE)d = −g
+    expected_ = -0.5 * at.g.dot(d_) + 0.5 * mu_ * d_.squaredNorm();
+    return true;
+  }
   // The model's decrease from 0 to the step.
   stop_ = d_.reverse();
   solution_.setZero();
@@ -198,9 +218,41 @@ bool GaussNewton::minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eige
   return true;
 }
 
+// Whether to take all second derivatives first.
+bool GaussNewton::tries_newton() const {
+  return model_ == NewtonModel::kNearMinimum ? near_ : model_ != NewtonModel::kGaussNewton;
+}
+
+// The minimum of Newton's model, unless it is Gauss-Newton's that serves.
+bool GaussNewton::minimize_newton(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
+  if (!minimize_model(at, true, d)) return false;
+  return model_ != NewtonModel::kNearMinimum || d_.cwiseAbs().maxCoeff() < kNear;
+}
+
+bool GaussNewton::holds_same(const Iterate& at) const {
+  return std::equal(at.held.rbegin(), at.held.rend(), held_.begin());
+}
+
+// The step by the last factorization, if that will do: the gradient shrank by a factor over the last
+// step, and once more by the same is less than what the frame asks for.
+bool GaussNewton::repeat(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
+  const double norm = at.g.size() > 0 ? at.g.cwiseAbs().maxCoeff() : 0.0;
+  const double before = std::exchange(last_norm_, norm);
+  if (!repeatable_ || !(norm * norm < kSafety * at.tolerance * before) || !holds_same(at)) return false;
+  solution_ = -at.g.reverse();
+  factor_.solve(solution_);
+  d_ = solution_.reverse();
+  stop_.setZero();
+  if (stop_at_bounds(at)) return repeatable_ = false;
+  d = d_;
+  expected_ = -0.5 * at.g.dot(d);
+  return true;
+}
+
 bool GaussNewton::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
+  if (repeat(at, d)) return true;
   for (;;) {
-    bool done = model_ != NewtonModel::kGaussNewton && minimize_model(at, true, d);
+    bool done = tries_newton() && minimize_newton(at, d);
     if (!done && model_ != NewtonModel::kNewton) done = minimize_model(at, false, d);
     if (!done) return false;
     if (at.g.dot(d) < 0.0) return true;
@@ -228,6 +280,8 @@ bool GaussNewton::correct(const Iterate& at, const KinematicWorkspace& trial,
 
 void GaussNewton::learn(double accepted_length, double actual_decrease) {
   const double ratio = expected_ > 0.0 ? actual_decrease / expected_ : 0.0;
+  repeatable_ = repeatable_ && accepted_length == 1.0;
+  near_ = accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 && d_.cwiseAbs().maxCoeff() < kNear;
   if (accepted_length == 1.0 && ratio > 0.0) {
     const double r = 2.0 * ratio - 1.0;
     relative_mu_ *= std::max(kFade, 1.0 - r * r * r);

@@ -99,7 +99,7 @@ class FrameSolver {
 
   const Summary& solve(int frame, std::vector<double>& q) {
     set_targets(tracking_, markers_, first_ + frame, targets_);
-    warm_start_.advance(tree_, tracking_.problem, targets_, q);
+    warm_start_.advance(tree_, q);
     prescribe(tree_, markers_.time[first_ + frame], q);
     return minimizer_.minimize(targets_, q);
   }
