@@ -63,6 +63,8 @@ class GaussNewton : public Direction {
   bool stop_at_bounds(const Iterate& at);
   bool tries_newton() const;
   bool holds_same(const Iterate& at) const;
+  bool may_repeat(const Iterate& at);
+  void repeat_with_wires(const Iterate& at);
   bool repeat(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   bool minimize_newton(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   bool minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eigen::VectorXd> d);
