@@ -10,6 +10,16 @@ namespace sinew {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+namespace {
+
+// What turning a load f at r does: see CostCurvature.
+void add_turning(Matrix6d& K, const Vector3d& r, const Vector3d& f) {
+  K.topLeftCorner<3, 3>() += turned_load(r, f);
+  K.topRightCorner<3, 3>() -= skew(f);
+}
+
+}  // namespace
+
 void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
                         const KinematicWorkspace& ws, const Vector3d& origin, bool newton,
                         std::vector<Matrix6d>& K) {
@@ -17,13 +27,16 @@ void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
     if (std::isnan(targets.positions[i].x())) continue;
     const PositionResidual& r = problem.positions[i];
     const auto link = static_cast<std::size_t>(r.link);
-    const Vector3d p = ws.X_WB[link] * r.p_BP;
-    const Matrix3d weight = position_weight(problem, targets, i);
-    add_point_stiffness(K[link], p - origin, weight);
-    if (!newton) continue;
-    const Vector3d f = weight * (p - targets.positions[i]);
-    K[link].topLeftCorner<3, 3>() += turned_load(p - origin, f);
-    K[link].topRightCorner<3, 3>() -= skew(f);
+    const Vector3d arm = ws.X_WB[link] * r.p_BP - origin;
+    if (is_isotropic(r.weight)) {
+      const double weight = position_scale(targets, i) * r.weight(0, 0);
+      add_point_stiffness(K[link], arm, weight);
+      if (newton) add_turning(K[link], arm, weight * (arm + origin - targets.positions[i]));
+    } else {
+      const Matrix3d weight = position_weight(problem, targets, i);
+      add_point_stiffness(K[link], arm, weight);
+      if (newton) add_turning(K[link], arm, weight * (arm + origin - targets.positions[i]));
+    }
   }
   for (std::size_t i = 0; i < problem.orientations.size(); ++i) {
     if (std::isnan(targets.orientations[i](0, 0))) continue;

@@ -47,6 +47,11 @@ class CostCurvature {
   void update(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
               const KinematicWorkspace& workspace, bool newton = false);
 
+  /// The rows of this pose only, with the rest as it was.
+  void update_rows(const KinematicTree& tree, const KinematicWorkspace& workspace) {
+    rows_.update(tree, workspace);
+  }
+
   /// Gauss-Newton's diagonal over the unknowns: exact but for an unknown that drives others through
   /// couplings, where it is the upper bound of their working together.
   void diagonal(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,

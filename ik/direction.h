@@ -17,6 +17,7 @@ struct Iterate {
   KinematicWorkspace& workspace;  // kinematics of this iterate, with the wrenches of its gradient
   int iteration = 0;
   double f = 0.0;
+  double tolerance = 0.0;      // of the gradient, below which the frame ends
   Eigen::VectorXd g;           // gradient
   Eigen::VectorXd s, y;        // last step and the gradient's change over it; iteration > 0
   Eigen::VectorXd previous_d;  // last direction; iteration > 0
@@ -28,6 +29,7 @@ enum class NewtonModel {
   kGaussNewton,  // JᵀΣJ
   kNewton,       // all
   kAutomatic,    // what serves better, as each method has it
+  kNearMinimum,  // JᵀΣJ, and all where steps have become small (GaussNewton only)
 };
 
 /// The one choice that tells methods apart: where to go from an iterate, eq. (17)'s d_k.

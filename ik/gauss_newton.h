@@ -61,6 +61,12 @@ class GaussNewton : public Direction {
   bool minimize_with_wires(const Iterate& at);
   bool add_taut_wires(const Iterate& at);
   bool stop_at_bounds(const Iterate& at);
+  bool tries_newton() const;
+  bool holds_same(const Iterate& at) const;
+  bool may_repeat(const Iterate& at);
+  void repeat_with_wires(const Iterate& at);
+  bool repeat(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
+  bool minimize_newton(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   bool minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eigen::VectorXd> d);
 
   Options options_;
@@ -74,6 +80,10 @@ class GaussNewton : public Direction {
   std::vector<double> force_;  // wires: tensions of the last model
   std::vector<double> bend_;   // wires: length beyond the first order where the step led
   bool first_ = true;          // of a frame
+  bool near_ = false;          // the last step was small
+  bool stops_ = false;         // stop_ is not zero
+  bool repeatable_ = false;    // the factor is that of the last step, with nothing else in its way
+  double last_norm_ = kNaN;    // largest entry of the gradient that the last step is from
   // Unknowns in reverse order. rhs_: −g_s; stop_: steps of the held.
   Eigen::VectorXd gradient_, rhs_, stop_, solution_;
   Eigen::VectorXd d_;         // unknowns

@@ -120,7 +120,8 @@ std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkPro
     case Method::kLevenbergMarquardt:
       return std::make_unique<LevenbergMarquardt>(tree, problem, options.levenberg_marquardt);
     case Method::kGaussNewton:
-      return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton);
+      return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton,
+                                           NewtonModel::kNearMinimum);
     case Method::kArticulatedGaussNewton:
       return make_articulated(tree, problem, Articulated::Model::kGaussNewton, options);
     case Method::kArticulatedNewton:

@@ -19,6 +19,23 @@ inline void add_point_stiffness(Matrix6d& K, const Eigen::Vector3d& r, const Eig
   K.bottomRightCorner<3, 3>() += W;
 }
 
+/// The same with W = wE, written out: wE, w[r×] and w(r·r E − rrᵀ).
+inline void add_point_stiffness(Matrix6d& K, const Eigen::Vector3d& r, double w) {
+  const Eigen::Vector3d wr = w * r;
+  const double square = wr.dot(r);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    K(i, i) += square - wr[i] * r[i];
+    K(i, j) -= wr[i] * r[j];
+    K(i, k) -= wr[i] * r[k];
+    K(i, 3 + j) -= wr[k];
+    K(i, 3 + k) += wr[j];
+    K(3 + j, i) -= wr[k];
+    K(3 + k, i) += wr[j];
+    K(3 + i, 3 + i) += w;
+  }
+}
+
 /// [f×][r×]: what turning does to the moment of a force f that is carried along at r.
 inline Eigen::Matrix3d turned_load(const Eigen::Vector3d& r, const Eigen::Vector3d& f) {
   Eigen::Matrix3d m = r * f.transpose();  // f × (r × w) = r (f·w) − w (f·r)
@@ -36,7 +53,9 @@ inline Eigen::Matrix3d orientation_curvature(double weight, const Eigen::Vector3
 }
 
 inline bool is_isotropic(const Eigen::Matrix3d& W) {
-  return (W - W(0, 0) * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() == 0.0;
+  const double w = W(0, 0);
+  return W(1, 1) == w && W(2, 2) == w && W(0, 1) == 0.0 && W(0, 2) == 0.0 && W(1, 2) == 0.0 &&
+         W(1, 0) == 0.0 && W(2, 0) == 0.0 && W(2, 1) == 0.0;
 }
 
 /// Adds to the parent's stiffness what its child, whose origin is at r from the parent's, passes

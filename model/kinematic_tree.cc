@@ -21,6 +21,20 @@ Eigen::Matrix3d turn(const Eigen::Vector3d& axis, double angle) {
   return R;
 }
 
+// R ← R·turn(axis, angle). Most axes are coordinate axes, which leave a column as it is.
+inline void turn_on(Eigen::Matrix3d& R, const Eigen::Vector3d& axis, double angle) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    if (axis[j] != 0.0 || axis[k] != 0.0) continue;
+    const double s = axis[i] * std::sin(angle), c = std::cos(angle);
+    const Eigen::Vector3d before = R.col(j);
+    R.col(j) = c * before + s * R.col(k);
+    R.col(k) = c * R.col(k) - s * before;
+    return;
+  }
+  R = R * turn(axis, angle);
+}
+
 Eigen::Matrix3d rotation_of(const double* q) {
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
@@ -29,7 +43,7 @@ struct StepValue {
   double value, slope, curvature;
 };
 
-StepValue evaluate(const KinematicTree& tree, const Step& step, const std::vector<double>& q) {
+inline StepValue evaluate(const KinematicTree& tree, const Step& step, const std::vector<double>& q) {
   if (step.q < 0) return {step.constant, 0.0, 0.0};
   const double x = q[static_cast<std::size_t>(step.q)];
   if (step.function < 0) return {x, 1.0, 0.0};
@@ -54,7 +68,7 @@ void add_turn(Vector6d& column, const Eigen::Vector3d& w, const Eigen::Vector3d&
 }
 
 // Keeps a step's own column and adds its share to the column of the coordinate that drives it.
-void record_step(KinematicWorkspace& ws, std::size_t index, const Step& step, const StepValue& at,
+inline void record_step(KinematicWorkspace& ws, std::size_t index, const Step& step, const StepValue& at,
                  const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
   Vector6d& twist = ws.step_twist[index];
   twist << w, v;
@@ -76,7 +90,7 @@ void pose_of_steps(const KinematicTree& tree, KinematicWorkspace& ws, const Link
     const Step& step = tree.steps[first + i];
     angle[i] = evaluate(tree, step, ws.q);
     if constexpr (kWithColumns) axis_W[i] = X_WM.R * step.axis;
-    X_WM.R = X_WM.R * turn(step.axis, angle[i].value);
+    turn_on(X_WM.R, step.axis, angle[i].value);
   }
   for (std::size_t i = turns; i < all; ++i) {
     const Step& step = tree.steps[first + i];
@@ -107,7 +121,7 @@ void pose_of_ellipsoid(const KinematicTree& tree, KinematicWorkspace& ws, const 
   Eigen::Vector3d axis_F[3];
   for (int i = 0; i < 3; ++i) {
     axis_F[i] = R_FM * step[i].axis;
-    R_FM = R_FM * turn(step[i].axis, evaluate(tree, step[i], ws.q).value);
+    turn_on(R_FM, step[i].axis, evaluate(tree, step[i], ws.q).value);
   }
   const Eigen::Vector3d normal_F = R_FM.col(2);
   X_WM.R = X_WF.R * R_FM;

@@ -135,7 +135,7 @@ TEST(Tracking, StartsEveryFrameFromTheOnesBefore) {
   minimizer.minimize(targets, q);  // for the piece's start, and from it again
   for (int frame = 0; frame < 30; ++frame) {
     set_targets(problem, r.file.markers, frame, targets);
-    warm_start.advance(r.walker.tree, problem.problem, targets, q);
+    warm_start.advance(r.walker.tree, q);
     const Summary& summary = minimizer.minimize(targets, q);
     const FrameResult& found = result.frames[static_cast<std::size_t>(frame)];
     EXPECT_EQ(found.iterations, summary.iterations);
