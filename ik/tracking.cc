@@ -13,6 +13,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "ik/continuity.h"
 #include "ik/curvature.h"
 #include "ik/warm_start.h"
 
@@ -255,6 +256,9 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
     }
   }
   result.stopped = progress.stopped();
+  if (!result.stopped) {
+    make_continuous(model, tree, tracking, markers, options.first_frame, result);
+  }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   result.seconds = elapsed.count();
   return result;
