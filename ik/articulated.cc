@@ -121,9 +121,10 @@ void Articulated::collect_stiffness(const Iterate& at, bool newton) {
     if (std::isnan(target)) continue;
     const CoordinateResidual& r = at.problem.coordinates[i];
     const auto v = static_cast<std::size_t>(r.v);
-    torque_[v] += r.weight * (ws.q[static_cast<std::size_t>(r.q)] - target);
-    spring_[v] += r.weight;
-    scale_ = std::max(scale_, r.weight);
+    const double weight = coordinate_weight(at.problem, *at.targets, i);
+    torque_[v] += weight * (ws.q[static_cast<std::size_t>(r.q)] - target);
+    spring_[v] += weight;
+    scale_ = std::max(scale_, weight);
   }
 }
 

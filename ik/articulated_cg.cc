@@ -64,7 +64,8 @@ void ArticulatedCg::collect(const Iterate& at) {
     const CoordinateResidual& r = at.problem.coordinates[i];
     const double slope = rows_.driver_slope(r.v);
     if (rows_.driver(r.v) < 0) continue;
-    spring_[static_cast<std::size_t>(rows_.driver(r.v))] += r.weight * slope * slope;
+    spring_[static_cast<std::size_t>(rows_.driver(r.v))] +=
+        coordinate_weight(at.problem, *at.targets, i) * slope * slope;
   }
   collect_rows(at);
   for (std::size_t b = 1; b < at.tree.links.size(); ++b) {

@@ -14,6 +14,10 @@ void AssemblerGoal::set_targets(const IkTargets& targets) {
   }
   scale_ = sum > 0.0 ? 1.0 / sum : 1.0;
   values_ = targets.coordinates;
+  weights_.resize(values_.size());
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    weights_[i] = coordinate_weight(tracking_.problem, targets, i);
+  }
 }
 
 // A wire's condition is on a q of the tree; without quaternions that is a coordinate's.
@@ -45,7 +49,7 @@ int AssemblerGoal::calcGoal(const SimTK::State& state, SimTK::Real& goal) const 
     if (std::isnan(values_[i])) continue;
     const TrackedCoordinate& c = tracking_.coordinates[i];
     const double delta = state.getQ()[model_.q_index(c.coordinate)] - values_[i];
-    goal += 0.5 * c.weight * delta * delta;
+    goal += 0.5 * weights_[i] * delta * delta;
   }
   for (const WireResidual& wire : tracking_.problem.wires) {
     find_path(state, wire);
@@ -82,7 +86,7 @@ int AssemblerGoal::calcGoalGradient(const SimTK::State& state, SimTK::Vector& gr
     if (std::isnan(values_[i])) continue;
     const TrackedCoordinate& c = tracking_.coordinates[i];
     const int q = model_.q_index(c.coordinate);
-    by_q[q] += c.weight * (state.getQ()[q] - values_[i]);
+    by_q[q] += weights_[i] * (state.getQ()[q] - values_[i]);
   }
   gradient.resize(getNumFreeQs());
   for (SimTK::Assembler::FreeQIndex i(0); i < getNumFreeQs(); ++i) {

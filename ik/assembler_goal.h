@@ -39,8 +39,9 @@ class AssemblerGoal : public SimTK::AssemblyCondition {
 
   const SimbodyModel& model_;
   const TrackingProblem& tracking_;
-  std::vector<double> values_;  // of the coordinate targets; NaN: none
-  double scale_ = 1.0;          // 1/W
+  std::vector<double> values_;   // of the coordinate targets; NaN: none
+  std::vector<double> weights_;  // of the coordinate targets in this frame
+  double scale_ = 1.0;           // 1/W
   // Scratch: the points of one wire that are on its path, and their places in the world.
   mutable std::vector<Station> path_;
   mutable std::vector<SimTK::Vec3> places_;

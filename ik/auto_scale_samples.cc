@@ -48,6 +48,7 @@ CompiledSamples::CompiledSamples(MusculoskeletalModel scaled,
     : model(std::move(scaled)), tree(compile_tree(model)) {
   BindingOptions options;
   options.name_unmatched = name_unmatched;
+  options.task_scale = BindingOptions::TaskScale::kMarkerSum;
   options.wires.use = WireOptions::Use::kNone;  // how long muscles are is not known yet
   for (const FrameSample& sample : samples) {
     const IkTaskSet* tasks = sample.tasks.tasks.empty() ? nullptr : &sample.tasks;

@@ -173,7 +173,7 @@ void CostCurvature::diagonal(const KinematicTree& tree, const IkProblem& problem
   }
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
     if (std::isnan(targets.coordinates[i])) continue;
-    diagonal_v_[problem.coordinates[i].v] += problem.coordinates[i].weight;
+    diagonal_v_[problem.coordinates[i].v] += coordinate_weight(problem, targets, i);
   }
   for (std::size_t i = tree.couplings.size(); i-- > 0;) {  // Cauchy-Schwarz
     double& from = diagonal_v_[tree.couplings[i].independent_v];
@@ -227,7 +227,8 @@ void CostCurvature::add(const IkProblem& problem, const IkTargets& targets,
     if (rows_.driver(r.v) < 0) continue;
     const double slope = rows_.driver_slope(r.v);
     double& entry = place(k++);
-    if (!std::isnan(targets.coordinates[i])) entry += r.weight * slope * slope;
+    if (std::isnan(targets.coordinates[i])) continue;
+    entry += coordinate_weight(problem, targets, i) * slope * slope;
   }
   const auto add_row = [&](int support, std::span<const double> row, double weight) {
     std::size_t entry = row_entry_[static_cast<std::size_t>(support)];

@@ -14,23 +14,6 @@ namespace {
 using Eigen::Vector3d;
 using Fate = PlacedMarker::Fate;
 
-// OpenSim's cost is the weighted mean of the squared distances of the measured markers, to which
-// coordinate tasks add theirs; ours is the sum. So a coordinate's weight counts times theirs.
-void weigh_coordinates(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
-                       IkTaskSet& tasks) {
-  double sum = 0.0;
-  for (const IkTask& task : tasks.tasks) {
-    if (task.kind != IkTask::Kind::kMarker) continue;
-    const int recorded = markers.find_marker(task.name);
-    if (model.find_marker(task.name) >= 0 && recorded >= 0 &&
-        !markers.position(0, recorded).hasNaN())
-      sum += task.weight;
-  }
-  for (IkTask& task : tasks.tasks) {
-    if (task.kind == IkTask::Kind::kCoordinate) task.weight *= sum;
-  }
-}
-
 // The tasks, and one of the default weight for every marker that no task weighs.
 IkTaskSet complete_tasks(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
                          const IkTaskSet* tasks, double default_weight) {
@@ -51,7 +34,6 @@ IkTaskSet complete_tasks(const MusculoskeletalModel& model, const MarkerTrajecto
     task.weight = default_weight;
     complete.tasks.push_back(task);
   }
-  weigh_coordinates(model, markers, complete);
   return complete;
 }
 

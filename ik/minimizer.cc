@@ -35,13 +35,15 @@ constexpr double kLargestGrowth = 10.0;
 
 // Weights set the scale of the gradient, so the tolerance follows their sum. Wires are left out:
 // most are slack and pull at nothing, and a thousand of them would let markers end far from their
-// places.
+// places. So would a heavy task of a coordinate; but its gradient, w Δq, is rounded to w 1e-16,
+// which 1e-4 of its weight keeps a thousand times below a tolerance of 1e-9.
 double weight_scale(const IkProblem& problem) {
+  constexpr double kCoordinateShare = 1e-4;
   double sum = 0.0;
   for (const PositionResidual& r : problem.positions) sum += r.weight.trace() / 3.0;
   for (const OrientationResidual& r : problem.orientations) sum += r.weight.trace() / 3.0;
   for (const DistanceResidual& r : problem.distances) sum += r.weight;
-  for (const CoordinateResidual& r : problem.coordinates) sum += r.weight;
+  for (const CoordinateResidual& r : problem.coordinates) sum += kCoordinateShare * r.weight;
   for (const CoincidenceResidual& r : problem.coincidences) sum += r.weight;
   for (const AlignmentResidual& r : problem.alignments) sum += r.weight;
   return std::max(1.0, sum);

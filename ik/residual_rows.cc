@@ -140,7 +140,7 @@ void write_coordinates(const IkProblem& problem, const IkTargets& targets,
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
     if (std::isnan(targets.coordinates[i])) continue;
     const CoordinateResidual& r = problem.coordinates[i];
-    const double T = std::sqrt(r.weight);
+    const double T = std::sqrt(coordinate_weight(problem, targets, i));
     const double e = targets.coordinates[i] - ws.q[static_cast<std::size_t>(r.q)];
     out.residual<1>(Eigen::Matrix<double, 1, 1>(T * e));
     out.coordinate(r.v, -T);

@@ -93,6 +93,9 @@ void validate(const KinematicTree& tree, const IkProblem& problem, const IkTarge
   check_size("orientation", problem.orientations.size(), targets.orientations.size());
   check_size("distance", problem.distances.size(), targets.distances.size());
   check_size("coordinate", problem.coordinates.size(), targets.coordinates.size());
+  if (!targets.coordinate_scales.empty()) {
+    check_size("coordinate", problem.coordinates.size(), targets.coordinate_scales.size());
+  }
   for (std::size_t i = 0; i < problem.positions.size(); ++i) {
     check_link(tree, "position", i, problem.positions[i].link);
     check_weight("position", i, problem.positions[i].weight);
@@ -111,6 +114,7 @@ void validate(const KinematicTree& tree, const IkProblem& problem, const IkTarge
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
     check_coordinate(tree, i, problem.coordinates[i]);
     check_weight("coordinate", i, problem.coordinates[i].weight);
+    check_weight("coordinate", i, coordinate_weight(problem, targets, i));
   }
   for (std::size_t i = 0; i < problem.coincidences.size(); ++i) {
     check_link(tree, "coincidence", i, problem.coincidences[i].link_a);

@@ -106,7 +106,7 @@ double accumulate(const IkProblem& problem, const IkTargets& targets, const Kine
     if (std::isnan(targets.coordinates[i])) continue;
     const CoordinateResidual& r = problem.coordinates[i];
     const double delta = targets.coordinates[i] - ws.q[static_cast<std::size_t>(r.q)];
-    twice_f += r.weight * delta * delta;
+    twice_f += coordinate_weight(problem, targets, i) * delta * delta;
   }
   return 0.5 * twice_f;
 }
@@ -118,7 +118,8 @@ void add_coordinate_gradients(const IkProblem& problem, const IkTargets& targets
   for (std::size_t i = 0; i < problem.coordinates.size(); ++i) {
     if (std::isnan(targets.coordinates[i])) continue;
     const CoordinateResidual& r = problem.coordinates[i];
-    add(r.v, r.weight * (ws.q[static_cast<std::size_t>(r.q)] - targets.coordinates[i]));
+    add(r.v, coordinate_weight(problem, targets, i) *
+                 (ws.q[static_cast<std::size_t>(r.q)] - targets.coordinates[i]));
   }
 }
 

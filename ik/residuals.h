@@ -89,6 +89,8 @@ struct IkTargets {
   std::vector<double> coordinates;            // [rad or m]
   // What Σ_P of each position is multiplied by in this frame, 0 or more; empty: 1.
   std::vector<double> position_scales = {};
+  // Likewise of each coordinate's weight.
+  std::vector<double> coordinate_scales = {};
 
   /// Sized for `problem`, everything missing.
   explicit IkTargets(const IkProblem& problem);
@@ -102,6 +104,12 @@ inline double position_scale(const IkTargets& targets, std::size_t i) {
 inline Eigen::Matrix3d position_weight(const IkProblem& problem, const IkTargets& targets,
                                        std::size_t i) {
   return position_scale(targets, i) * problem.positions[i].weight;
+}
+
+/// Weight of a coordinate residual in this frame.
+inline double coordinate_weight(const IkProblem& problem, const IkTargets& targets, std::size_t i) {
+  const double weight = problem.coordinates[i].weight;
+  return targets.coordinate_scales.empty() ? weight : targets.coordinate_scales[i] * weight;
 }
 
 /// Whether a point of a wire is on its path at the workspace's q.

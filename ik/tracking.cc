@@ -13,6 +13,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "ik/continuity.h"
 #include "ik/curvature.h"
 #include "ik/frame_solver.h"
 #include "ik/second_look.h"
@@ -226,6 +227,9 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
   const auto start = std::chrono::steady_clock::now();
   TrackingResult result = empty_result(model, tracking, markers, options.first_frame, frames);
   Tracker(tree, tracking, markers, options, result).run();
+  if (!result.stopped && !options.unrelated_frames) {
+    make_continuous(model, tree, tracking, markers, options.first_frame, result);
+  }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   result.seconds = elapsed.count();
   return result;

@@ -28,9 +28,11 @@ struct TrackedMarker {
 /// A coordinate that is pulled towards values.
 struct TrackedCoordinate {
   int coordinate = -1;
-  double weight = 1.0;
+  double weight = 1.0;         // where all markers are seen
   double value = 0.0;          // [rad or m], where `values` is empty
   std::vector<double> values;  // one a frame of the recording
+  // Stands beside the mean of the markers, not their sum: in each frame it weighs by what is seen.
+  bool beside_mean = false;
 };
 
 /// Model, recording and tasks bound together: which residuals there are and what each frame asks.
@@ -51,6 +53,13 @@ struct BindingOptions {
   // which keeps loops closed to a thousandth of the marker error at most.
   double loop_weight = 1e6;
   WireOptions wires;
+  // What the weight of a coordinate task stands beside. OpenSim divides the markers' part of the
+  // cost by the sum of the weights of the markers seen in the frame, so that a task's weight does
+  // not depend on how many there are; here the markers' part stays and the task's weight is
+  // multiplied by that sum, which has the same minimum. Targets of our own stand beside the sum: a
+  // weight of 1/rad² is to a radian what a marker of weight 1 is to a metre.
+  enum class TaskScale { kMarkerMean, kMarkerSum };
+  TaskScale task_scale = TaskScale::kMarkerMean;
   // Warn of markers that only the model or only the recording has; off where that is known already.
   bool name_unmatched = true;
 };
@@ -85,7 +94,10 @@ struct FilledStretch {
 void weigh_filled_samples(TrackingProblem& tracking, const MarkerTrajectories& markers,
                           const std::vector<FilledStretch>& filled, double scale = kFilledWeight);
 
-/// Writes what frame `frame` asks for.
+/// Writes what frame `frame` asks for. Coordinates that stand beside the markers' mean get the
+/// scale Σ s_m w_m / Σ w_m, of the markers m seen in the frame over all tracked, s_m a filled
+/// sample's scale (one that weighs nothing is as one that is missing). In a frame without any
+/// marker their weights stand for themselves, as nothing is there to weigh them against.
 void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& markers, int frame,
                  IkTargets& targets);
 
@@ -133,12 +145,16 @@ struct TrackingResult {
   bool stopped = false;               // `progress` asked to stop; results are not complete
 };
 
-/// Solves every frame. The first one starts cold, see ColdStart, the others from the solution
-/// before them. The recording is cut into pieces of fixed length; their first frames are solved one
-/// after the other, the pieces in parallel. Where the end of a piece leads to another minimum than
-/// the next one begins with, the frame is searched anew and the lower minimum followed both ways;
-/// so it is where a solution is doubtful, see look_again(). The results depend on the recording
-/// only, never on the number of threads.
+/// Solves every frame of
+///
+///     min ½ ( Σ s_m w_m |Δp_m|² + Σ (Σ s_m w_m) w_c Δq_c² + Σ w_o Δq_o² + Σ w_l max{0, l − l^d}² )
+///
+/// over markers m, coordinate tasks c, targets of our own o and wires l. The first frame starts
+/// cold, see ColdStart, the others from the solution before them. The recording is cut into pieces
+/// of fixed length; their first frames are solved one after the other, the pieces in parallel. Where
+/// the end of a piece leads to another minimum than the next one begins with, the frame is searched
+/// anew and the lower minimum followed both ways; so it is where a solution is doubtful, see
+/// look_again(). The results depend on the recording only, never on the number of threads.
 TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tree,
                      const TrackingProblem& tracking, const MarkerTrajectories& markers,
                      const TrackingOptions& options);

@@ -128,6 +128,12 @@ class Binder {
   }
 
   void bind_coordinates() {
+    const bool beside_mean = options_.task_scale == BindingOptions::TaskScale::kMarkerMean;
+    double scale = 1.0;
+    if (beside_mean) {
+      scale = 0.0;
+      for (const TrackedMarker& marker : result_.markers) scale += marker.weight;
+    }
     for (const IkTask& task : tasks_->tasks) {
       if (task.kind != IkTask::Kind::kCoordinate || !task.apply) continue;
       const int c = model_.find_coordinate(task.name);
@@ -145,9 +151,10 @@ class Binder {
       if (task.weight == 0.0) continue;
       const int q = tree_.q_of_coordinate[static_cast<std::size_t>(c)];
       const int v = tree_.v_of_coordinate[static_cast<std::size_t>(c)];
-      result_.problem.coordinates.push_back({q, v, task.weight});
+      const double weight = scale * task.weight;
+      result_.problem.coordinates.push_back({q, v, weight});
       result_.coordinates.push_back(
-          {c, task.weight, task_value(task, coordinate), file_values(task, c)});
+          {c, weight, task_value(task, coordinate), file_values(task, c), beside_mean});
     }
   }
 
@@ -188,7 +195,8 @@ class Binder {
       result_.coordinates.push_back({c,
                                      options_.wires.virtual_link_weight,
                                      model_.coordinates[static_cast<std::size_t>(c)].default_value,
-                                     {}});
+                                     {},
+                                     false});
     }
   }
 
@@ -232,6 +240,22 @@ void weigh_filled_samples(TrackingProblem& tracking, const MarkerTrajectories& m
   }
 }
 
+namespace {
+
+// What coordinates beside the markers' mean are multiplied by in a frame: exactly 1 where all is
+// seen.
+double seen_share(const TrackingProblem& tracking, const IkTargets& targets) {
+  double seen = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
+    const double weight = tracking.markers[i].weight;
+    all += weight;
+    if (!std::isnan(targets.positions[i].x())) seen += position_scale(targets, i) * weight;
+  }
+  return (seen > 0.0 ? seen : 1.0) / all;
+}
+
+}  // namespace
+
 void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& markers, int frame,
                  IkTargets& targets) {
   const bool scaled = tracking.marker_scales.size() > 0;
@@ -244,6 +268,15 @@ void set_targets(const TrackingProblem& tracking, const MarkerTrajectories& mark
   for (std::size_t i = 0; i < tracking.coordinates.size(); ++i) {
     const TrackedCoordinate& c = tracking.coordinates[i];
     targets.coordinates[i] = c.values.empty() ? c.value : c.values[static_cast<std::size_t>(frame)];
+  }
+  if (std::none_of(tracking.coordinates.begin(), tracking.coordinates.end(),
+                   [](const TrackedCoordinate& c) { return c.beside_mean; })) {
+    return;
+  }
+  const double share = seen_share(tracking, targets);
+  targets.coordinate_scales.resize(tracking.coordinates.size(), 1.0);
+  for (std::size_t i = 0; i < tracking.coordinates.size(); ++i) {
+    targets.coordinate_scales[i] = tracking.coordinates[i].beside_mean ? share : 1.0;
   }
 }
 

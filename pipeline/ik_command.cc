@@ -2,6 +2,7 @@
 
 #include "data/output_file.h"
 #include "data/storage_file.h"
+#include "ik/angle_jumps.h"
 #include "pipeline/command.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
@@ -55,6 +56,9 @@ struct IkCommand {
                1e3 * result->seconds / static_cast<double>(result->frames.size()),
                1e3 * total_marker_rms(*result), output.string());
     report(warnings, frame_warnings(*result, job.recording.path));
+    for (const VerdictReason& reason : angle_jumps(job.model, *result)) {
+      report(warnings, {{{job.recording.path}, reason.text}});
+    }
     return unconverged_frames(*result) == 0 ? kExitOk : kExitFailed;
   }
 };

@@ -156,7 +156,7 @@ bool has_gaps(const MarkerTrajectories& markers, const MusculoskeletalModel& mod
 
 std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
                               DecisionLog& log) {
-  std::vector<IkTask> tasks;
+  std::vector<IkTask> tasks;  // of the markers first
   const std::vector<int> tracked = tracked_markers(markers, model);
   for (const int m : tracked) {
     if (!markers.p_WM.col(3 * m).array().isFinite().any()) continue;
@@ -190,11 +190,13 @@ std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const Musculosk
        "",
        "--posture-weight"},
       true);
+  double marker_weights = 0.0;
+  for (const IkTask& task : tasks) marker_weights += task.weight;
   for (const auto& name : free) {
     IkTask task;
     task.kind = IkTask::Kind::kCoordinate;
     task.name = name.get<std::string>();
-    task.weight = weight;
+    task.weight = weight / marker_weights;
     if (weight > 0.0) tasks.push_back(task);
   }
   return tasks;

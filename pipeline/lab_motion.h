@@ -34,7 +34,9 @@ bool has_gaps(const MarkerTrajectories& markers, const MusculoskeletalModel& mod
               double to);
 
 /// A task for every marker that model and recording share, with weight 1, and one for every
-/// coordinate that these leave undetermined, which draws it to its default.
+/// coordinate that these leave undetermined, which draws it to its default. The posture weight
+/// stands beside a marker's, a task's beside the mean of the markers, so that it is divided by the
+/// sum of their weights: files of tasks mean the same to OpenSim.
 std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
                               DecisionLog& log);
 

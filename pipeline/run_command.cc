@@ -6,6 +6,7 @@
 
 #include "data/output_file.h"
 #include "data/storage_file.h"
+#include "ik/angle_jumps.h"
 #include "pipeline/command.h"
 #include "pipeline/example.h"
 #include "pipeline/id_job.h"
@@ -125,6 +126,9 @@ struct RunCommand {
     const std::optional<TrackingResult> solved = solve_ik(job);
     if (!solved) return kExitFailed;
     report(warnings, frame_warnings(*solved, job.recording.path));
+    for (const VerdictReason& reason : angle_jumps(job.model, *solved)) {
+      report(warnings, {{{job.recording.path}, reason.text}});
+    }
     const auto id_start = std::chrono::steady_clock::now();
     std::optional<InverseDynamicsResult> torques =
         solve_id(job.model, coordinate_table(job.model, *solved), id_job);

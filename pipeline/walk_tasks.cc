@@ -10,18 +10,19 @@
 namespace sinew {
 namespace {
 
-// A marker's weight is 1/m². Coordinates that markers leave undetermined and the walk keeps still
-// are held to where they are, as gait models do that take thorax and shoulder girdle as rigid
+// Beside a marker's weight of 1/m². Coordinates that markers leave undetermined and the walk keeps
+// still are held to where they are, as gait models do that take thorax and shoulder girdle as rigid
 // [1/rad²]; what else is undetermined, in the lumbar spine, is drawn to the neutral pose so weakly
 // that it gives markers way to 1e-4 rad: it decides nothing but how vertebrae share a turn,
 // equally.
 constexpr double kStillWeight = 1.0, kPostureWeight = 1e-4;
 
-IkTask coordinate_task(const Coordinate& coordinate, double weight) {
+// A task's weight stands beside the mean of the markers, ours beside their sum.
+IkTask coordinate_task(const Coordinate& coordinate, double weight, std::size_t markers) {
   IkTask task;
   task.kind = IkTask::Kind::kCoordinate;
   task.name = coordinate.name;
-  task.weight = weight;
+  task.weight = weight / static_cast<double>(markers);
   return task;
 }
 
@@ -63,10 +64,10 @@ IkTaskSet walk_tasks(const MusculoskeletalModel& model) {
   };
   for (const int c : free_coordinates(model, tree, standing, set)) {
     if (moves(walk, coordinate(c).name)) continue;
-    set.tasks.push_back(coordinate_task(coordinate(c), kStillWeight));
+    set.tasks.push_back(coordinate_task(coordinate(c), kStillWeight, standing.names.size()));
   }
   for (const int c : free_coordinates(model, tree, standing, set)) {
-    set.tasks.push_back(coordinate_task(coordinate(c), kPostureWeight));
+    set.tasks.push_back(coordinate_task(coordinate(c), kPostureWeight, standing.names.size()));
   }
   return set;
 }

@@ -151,6 +151,7 @@ inline void add_random_coordinate_targets(RandomProblem& p, RandomValues& values
     if (q < 0) continue;
     p.problem.coordinates.push_back({q, p.tree.v_of_coordinate[c], values.uniform(0.1, 5.0)});
     p.targets.coordinates.push_back(c == 5 ? kNaN : values.uniform(-1.0, 1.0));
+    p.targets.coordinate_scales.push_back(0.25 * static_cast<double>(1 + c % 5));
   }
 }
 
@@ -178,7 +179,10 @@ inline RandomProblem only(RandomProblem p, ResidualKind kind) {
   };
   if (kind != kPosition) clear(p.problem.positions, p.targets.positions);
   if (kind != kOrientation) clear(p.problem.orientations, p.targets.orientations);
-  if (kind != kCoordinate) clear(p.problem.coordinates, p.targets.coordinates);
+  if (kind != kCoordinate) {
+    clear(p.problem.coordinates, p.targets.coordinates);
+    p.targets.coordinate_scales.clear();
+  }
   if (kind != kCoincidence) p.problem.coincidences.clear();
   if (kind != kAlignment) p.problem.alignments.clear();
   if (kind != kDistance) clear(p.problem.distances, p.targets.distances);
