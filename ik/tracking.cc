@@ -52,9 +52,10 @@ void measure_wires(const TrackingProblem& tracking, const KinematicWorkspace& ws
   }
 }
 
-// Distances of tracked markers at the poses of `ws`, their summary, and the wires.
+// Distances of tracked markers at the poses of `ws`, their summary, and the wires. `frame_index` is
+// the recording's, `index` the result's.
 void measure(const TrackingProblem& tracking, const IkTargets& targets,
-             const KinematicWorkspace& ws, int index, TrackingResult& result) {
+             const KinematicWorkspace& ws, int frame_index, int index, TrackingResult& result) {
   measure_wires(tracking, ws, index, result);
   auto errors = result.marker_errors.row(index);
   FrameResult& frame = result.frames[static_cast<std::size_t>(index)];
@@ -65,10 +66,11 @@ void measure(const TrackingProblem& tracking, const IkTargets& targets,
   for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
     const PositionResidual& r = tracking.problem.positions[i];
     // A filled sample is no measurement to err from.
+    const bool filled =
+        tracking.filled.size() > 0 && tracking.filled(frame_index, static_cast<Eigen::Index>(i));
     const double error =
-        position_scale(targets, i) < 1.0
-            ? kNaN
-            : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
+        filled ? kNaN
+               : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
     errors[static_cast<Eigen::Index>(i)] = error;
     if (std::isnan(error)) continue;
     sum += error * error;
@@ -113,7 +115,7 @@ class FrameSolver {
     out.cost = summary.final_cost;
     out.rows = summary.rows;
     read_coordinates(tree_, q, result.coordinates.row(frame));
-    measure(tracking_, targets_, minimizer_.workspace(), frame, result);
+    measure(tracking_, targets_, minimizer_.workspace(), first_ + frame, frame, result);
   }
 
  private:
@@ -278,7 +280,7 @@ TrackingResult evaluate_coordinates(const MusculoskeletalModel& model, const Kin
     set_targets(tracking, markers, first_frame + frame, targets);
     FrameResult& out = result.frames[static_cast<std::size_t>(frame)];
     out.cost = cost(tree, tracking.problem, targets, ws);
-    measure(tracking, targets, ws, frame, result);
+    measure(tracking, targets, ws, first_frame + frame, frame, result);
   }
   return result;
 }
