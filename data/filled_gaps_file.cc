@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "data/csv_file.h"
@@ -17,13 +19,36 @@ int frame_numbered(const MarkerTrajectories& markers, const std::string& text) {
              : static_cast<int>(found - markers.frame_numbers.begin());
 }
 
+std::optional<FilledGap::Method> method_called(const std::string& name) {
+  if (name == "spline") return FilledGap::Method::kSpline;
+  if (name == "rigid") return FilledGap::Method::kRigid;
+  if (name == "none") return FilledGap::Method::kNone;
+  return std::nullopt;
+}
+
+// Method and error, of which lists of other programs may have neither.
+bool read_quality(const std::vector<std::string>& cells, FilledGap& filled) {
+  filled.error = std::numeric_limits<double>::quiet_NaN();
+  if (cells.size() > 6 && !cells[6].empty()) {
+    const auto method = method_called(cells[6]);
+    if (!method) return false;
+    filled.method = *method;
+  }
+  if (cells.size() > 7 && !cells[7].empty()) {
+    const auto error = text::parse_number(cells[7]);
+    if (!error || !(*error >= 0.0)) return false;
+    filled.error = *error;
+  }
+  return true;
+}
+
 }  // namespace
 
-std::vector<MarkerGap> read_filled_gaps(const std::filesystem::path& path,
+std::vector<FilledGap> read_filled_gaps(const std::filesystem::path& path,
                                         const MarkerTrajectories& markers) {
   const std::string content = text::read_text_file(path, "a list of filled samples");
   text::LineReader lines(content);
-  std::vector<MarkerGap> gaps;
+  std::vector<FilledGap> gaps;
   bool labelled = false;
   while (const std::optional<text::Line> line = lines.next_filled()) {
     const SourceLocation at{path.string(), line->number};
@@ -45,7 +70,14 @@ std::vector<MarkerGap> read_filled_gaps(const std::filesystem::path& path,
                             "a marker, its first and its last filled frame",
                             std::string(line->text), "Give the list of this recording."});
     }
-    gaps.push_back({marker, first, last - first + 1});
+    FilledGap filled;
+    filled.gap = {marker, first, last - first + 1};
+    if (!read_quality(cells, filled)) {
+      throw InputError(
+          at, {"tells no method and error", "spline, rigid or none, and a distance [m] or nothing",
+               std::string(line->text), "Correct the cells method and error_m."});
+    }
+    gaps.push_back(std::move(filled));
   }
   return gaps;
 }

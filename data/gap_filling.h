@@ -31,14 +31,17 @@ struct GapFillOptions {
 };
 
 struct FilledGap {
-  enum class Method { kSpline, kRigid };
+  enum class Method { kSpline, kRigid, kNone };
 
   MarkerGap gap;
   Method method = Method::kSpline;
-  // RMS misfit of the segment's other markers where rigid; for splines the RMS error of the same
-  // interpolation over as many measured frames next to the gap. NaN where there were too few [m].
+  // How far such a fill is off: RMS distance of the same prediction from what was measured, in up
+  // to eight stretches as long of the same marker, the nearest ones that are measured (leave-out);
+  // not less than a rigid one's misfit. NaN where none is long enough [m].
   double error = 0.0;
   std::vector<int> from;  // rigid: the markers it was taken from
+
+  bool operator==(const FilledGap&) const = default;
 };
 
 struct GapFillResult {
@@ -46,25 +49,28 @@ struct GapFillResult {
   std::vector<MarkerGap> left;
 };
 
-/// Fills gaps in place, and says of every one how, or that it was left.
+/// Fills gaps in place, and says of every one how and how well, or that it was left.
 ///
 /// Rigid: three or more other markers of the segment, not in one line, are measured in the gap and
 /// in the last frame before or the first behind it. The motion that carries them best from there
 /// (least squares; Kabsch 1976) carries the marker; with both ends, the two are blended linearly
-/// in time, so that the ends join. Left where the misfit exceeds max_misfit.
-/// Spline: the cubic natural spline through up to ten measured frames on each side, at least two;
-/// never beyond the record's measured part. Rigid goes first.
-/// Only measured samples are ever used, never filled ones. O(gaps · length).
-/// Throws std::invalid_argument for options out of bounds.
+/// in time, so that the ends join. Left where the misfit exceeds max_misfit, and where the marker
+/// is measured in fewer than ten frames of the record.
+/// Spline: the cubic natural spline through up to ten measured frames on each side, at least two.
+/// Beyond what is measured, at the record's ends, a parabola goes on for 0.02 s at most; longer
+/// ones are never guessed from the marker itself. Where both can be had, the one with the smaller
+/// estimated error is taken, a known one before an unknown, and rigid where neither is known. Only
+/// measured samples are ever used, never filled ones. O(gaps · (length + frames)). Throws
+/// std::invalid_argument for options out of bounds.
 GapFillResult fill_gaps(MarkerTrajectories& markers, const GapFillOptions& options);
 
-/// A row a filled gap: marker, first and last frame, times [s], method, estimated error [m], and
-/// the markers it was taken from.
+/// A row a gap: marker, first and last frame, times [s], method, `none` where it stays, estimated
+/// error [m], and the markers it was taken from.
 std::string filled_gaps_csv(const MarkerTrajectories& markers, const GapFillResult& result);
 
 /// Reads such a list for the recording that was filled. Throws InputError naming the line for other
-/// files and for markers and frames that the recording does not have.
-std::vector<MarkerGap> read_filled_gaps(const std::filesystem::path& path,
+/// files and for markers, frames, methods and errors that it cannot have.
+std::vector<FilledGap> read_filled_gaps(const std::filesystem::path& path,
                                         const MarkerTrajectories& markers);
 
 }  // namespace sinew

@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
 #include "data/c3d_labels.h"
+#include "data/finding.h"
 #include "data/force_platform.h"
 #include "data/marker_names.h"
+#include "data/sample_spikes.h"
 #include "data/text.h"
 
 namespace sinew {
@@ -140,6 +143,7 @@ void edit_trajectories(MarkerTrajectories& markers, C3dQuality* quality, double 
   for (const MarkerDrop& what : edits.drops) drop(markers, quality, what);
   if (edits.swap_sides) swap_sides(markers);
   for (const MarkerRename& names : edits.renames) rename(markers, names);
+  for (const MarkerDrop& spike : edits.spikes) drop(markers, quality, spike);
 }
 
 int usable_platforms(const C3dFile& file) {
@@ -170,6 +174,24 @@ void set_unit(C3dFile& file, const std::string& unit) {
   // The platforms were right: what they say in the old unit is said in the new one.
   scale_parameter(file, "CORNERS", 1.0 / factor);
   scale_parameter(file, "ORIGIN", 1.0 / factor);
+}
+
+// Samples whose times lie within `drop`; a third of a step allows for the digits of times.
+void bridge(RowMatrix& values, const std::vector<std::string>& labels, const SampleDrop& drop,
+            const std::function<double(Eigen::Index)>& time, double step) {
+  const auto label = std::find(labels.begin(), labels.end(), drop.channel);
+  if (label == labels.end()) {
+    throw std::invalid_argument(fmt::format(
+        "--drop-samples names '{}', which is no channel or column of the file", drop.channel));
+  }
+  Eigen::Index first = 0, end = values.rows();
+  while (first < end && time(first) < drop.from - step / 3.0) ++first;
+  while (end > first && time(end - 1) > drop.to + step / 3.0) --end;
+  if (first == end) {
+    throw std::invalid_argument(
+        fmt::format("--drop-samples: no sample lies between {} s and {} s", drop.from, drop.to));
+  }
+  bridge_samples(values.col(label - labels.begin()), first, end - 1);
 }
 
 // The mean of columns over samples, and the middle of their times.
@@ -261,7 +283,8 @@ void shift_channels(C3dFile& file, double seconds) {
 }  // namespace
 
 bool RecordingEdits::edits_markers() const {
-  return !unit.empty() || !swaps.empty() || !drops.empty() || swap_sides || !renames.empty();
+  return !unit.empty() || !swaps.empty() || !drops.empty() || swap_sides || !renames.empty() ||
+         !spikes.empty();
 }
 
 std::optional<NameSwap> parse_swap(const std::string& text) {
@@ -296,6 +319,31 @@ std::optional<UnloadedTime> parse_unloaded(const std::string& text) {
   return UnloadedTime{static_cast<int>(*plate), times->from, times->to};
 }
 
+std::optional<SampleDrop> parse_sample_drop(const std::string& text) {
+  Timed timed = split_times(text);
+  if (timed.text.empty() || !timed.from) return std::nullopt;
+  return SampleDrop{std::move(timed.text), *timed.from, *timed.to};
+}
+
+std::string to_text(const MarkerDrop& drop) {
+  if (!drop.from) return drop.name;
+  return fmt::format("{}@{}-{}", drop.name, time_text(*drop.from), time_text(*drop.to));
+}
+
+std::string to_text(const SampleDrop& drop) {
+  return fmt::format("{}@{}-{}", drop.channel, time_text(drop.from), time_text(drop.to));
+}
+
+void drop_samples(TimeTable& table, const std::vector<SampleDrop>& samples) {
+  const Eigen::Index rows = table.time.size();
+  const double step =
+      rows > 1 ? (table.time[rows - 1] - table.time[0]) / static_cast<double>(rows - 1) : 0.0;
+  for (const SampleDrop& drop : samples) {
+    bridge(
+        table.values, table.labels, drop, [&](Eigen::Index i) { return table.time[i]; }, step);
+  }
+}
+
 void edit_markers(MarkerTrajectories& markers, double metres_per_unit,
                   const RecordingEdits& edits) {
   edit_trajectories(markers, nullptr, metres_per_unit, edits);
@@ -304,6 +352,11 @@ void edit_markers(MarkerTrajectories& markers, double metres_per_unit,
 void edit_recording(C3dFile& file, const RecordingEdits& edits) {
   edit_trajectories(file.markers, &file.quality, file.metres_per_unit, edits);
   if (!edits.unit.empty()) set_unit(file, edits.unit);
+  for (const SampleDrop& sample : edits.samples) {
+    const double step = 1.0 / file.analog.rate;
+    const auto time = [&](Eigen::Index i) { return static_cast<double>(i) * step; };
+    bridge(file.analog.values, file.analog.labels, sample, time, step);
+  }
   if (!edits.unloaded.empty()) zero_platforms(file, edits.unloaded);
   if (edits.shift_forces != 0.0) shift_channels(file, edits.shift_forces);
 }

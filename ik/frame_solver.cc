@@ -28,7 +28,8 @@ void measure_wires(const TrackingProblem& tracking, const KinematicWorkspace& ws
 }  // namespace
 
 void measure_frame(const TrackingProblem& tracking, const IkTargets& targets,
-                   const KinematicWorkspace& ws, int index, TrackingResult& result) {
+                   const KinematicWorkspace& ws, int frame_index, int index,
+                   TrackingResult& result) {
   measure_wires(tracking, ws, index, result);
   auto errors = result.marker_errors.row(index);
   FrameResult& frame = result.frames[static_cast<std::size_t>(index)];
@@ -39,10 +40,11 @@ void measure_frame(const TrackingProblem& tracking, const IkTargets& targets,
   for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
     const PositionResidual& r = tracking.problem.positions[i];
     // A filled sample is no measurement to err from.
+    const bool filled =
+        tracking.filled.size() > 0 && tracking.filled(frame_index, static_cast<Eigen::Index>(i));
     const double error =
-        position_scale(targets, i) < 1.0
-            ? kNaN
-            : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
+        filled ? kNaN
+               : (targets.positions[i] - ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP).norm();
     errors[static_cast<Eigen::Index>(i)] = error;
     if (std::isnan(error)) continue;
     sum += error * error;
@@ -127,7 +129,7 @@ void FrameSolver::store(int frame, const Summary& summary, const std::vector<dou
   out.seconds = summary.seconds;
   out.rows = summary.rows;
   read_coordinates(tree_, q, result.coordinates.row(frame));
-  measure_frame(tracking_, targets_, *solved_, frame, result);
+  measure_frame(tracking_, targets_, *solved_, options_.first_frame + frame, frame, result);
 }
 
 }  // namespace sinew

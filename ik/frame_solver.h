@@ -56,8 +56,9 @@ TrackingResult empty_result(const MusculoskeletalModel& model, const TrackingPro
                             const MarkerTrajectories& markers, int first, int frames);
 
 /// Distances of tracked markers at the poses of `ws`, their summary, and the wires, into the row of
-/// `frame`.
+/// `frame`; `frame_index` is the recording's.
 void measure_frame(const TrackingProblem& tracking, const IkTargets& targets,
-                   const KinematicWorkspace& ws, int frame, TrackingResult& result);
+                   const KinematicWorkspace& ws, int frame_index, int frame,
+                   TrackingResult& result);
 
 }  // namespace sinew

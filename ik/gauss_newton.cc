@@ -242,9 +242,9 @@ bool GaussNewton::holds_same(const Iterate& at) const {
 }
 
 // Whether the last factorization will do. Without wires, a new one squares the factor by which the
-// gradient shrank over the last step, so that the old one serves where shrinking it once more by the
-// same is enough. With wires, rows and tensions bend the cost more than a new factorization knows,
-// and all else is cheap beside one: the old one serves as long as it leads on.
+// gradient shrank over the last step, so that the old one serves where shrinking it once more by
+// the same is enough. With wires, rows and tensions bend the cost more than a new factorization
+// knows, and all else is cheap beside one: the old one serves as long as it leads on.
 bool GaussNewton::may_repeat(const Iterate& at) {
   const double norm = at.g.size() > 0 ? at.g.cwiseAbs().maxCoeff() : 0.0;
   const double before = std::exchange(last_norm_, norm);
@@ -326,7 +326,8 @@ bool GaussNewton::correct(const Iterate& at, const KinematicWorkspace& trial,
 void GaussNewton::learn(double accepted_length, double actual_decrease) {
   const double ratio = expected_ > 0.0 ? actual_decrease / expected_ : 0.0;
   repeatable_ = repeatable_ && accepted_length == 1.0;
-  near_ = accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 && d_.cwiseAbs().maxCoeff() < kNear;
+  near_ =
+      accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 && d_.cwiseAbs().maxCoeff() < kNear;
   if (accepted_length == 1.0 && ratio > 0.0) {
     const double r = 2.0 * ratio - 1.0;
     relative_mu_ *= std::max(kFade, 1.0 - r * r * r);

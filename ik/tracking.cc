@@ -253,7 +253,7 @@ TrackingResult evaluate_coordinates(const MusculoskeletalModel& model, const Kin
     set_targets(tracking, markers, first_frame + frame, targets);
     FrameResult& out = result.frames[static_cast<std::size_t>(frame)];
     out.cost = cost(tree, tracking.problem, targets, ws);
-    measure_frame(tracking, targets, ws, frame, result);
+    measure_frame(tracking, targets, ws, first_frame + frame, frame, result);
   }
   return result;
 }

@@ -41,9 +41,11 @@ struct TrackingProblem {
   std::vector<TrackedMarker> markers;          // problem.positions in order
   std::vector<TrackedCoordinate> coordinates;  // problem.coordinates in order
   std::vector<TrackedWire> wires;              // problem.wires in order
-  // Frames of the recording × markers: what each sample's weight is multiplied by; empty: 1. Less
-  // than 1 marks a position that was filled in, which counts in the cost but in no error.
+  // Frames of the recording × markers: what each sample's weight is multiplied by; empty: 1.
   RowMatrix marker_scales;
+  // Likewise, whether a position was filled in, so that it counts in the cost but in no error;
+  // empty: none was.
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> filled;
   std::vector<int> virtual_links;  // bodies of the model
   std::vector<Warning> warnings;   // unmatched markers, tasks without effect, …
 };
@@ -74,25 +76,6 @@ TrackingProblem bind_recording(const MusculoskeletalModel& model, const Kinemati
                                const MarkerFile& recording, const IkTaskSet* tasks,
                                const RowMatrix* coordinate_values,
                                const BindingOptions& options = {});
-
-/// What a filled sample weighs beside a measured one. It holds no measurement of its own: it
-/// follows from samples beside it, and is off by one error for the whole gap, not by one a frame.
-/// In two published walking trials with gaps cut into them splines over 0.1 s are off by 2 to 3 mm
-/// RMS, over 0.2 s by 8 to 17 mm with single ones of 100 mm, neighbours on the same body over 0.5 s
-/// by 3 to 11 mm. A tenth lets any marker that is measured on the body overrule it and still keeps
-/// the pose where none is.
-constexpr double kFilledWeight = 0.1;
-
-/// A stretch of a marker that was filled in, as frames of the recording.
-struct FilledStretch {
-  std::string marker;
-  int first = 0, count = 0;
-};
-
-/// Sets marker_scales: `scale` for the filled samples of tracked markers, 1 for all others. Throws
-/// std::invalid_argument for frames that the recording does not have and unless 0 <= scale <= 1.
-void weigh_filled_samples(TrackingProblem& tracking, const MarkerTrajectories& markers,
-                          const std::vector<FilledStretch>& filled, double scale = kFilledWeight);
 
 /// Writes what frame `frame` asks for. Coordinates that stand beside the markers' mean get the
 /// scale Σ s_m w_m / Σ w_m, of the markers m seen in the frame over all tracked, s_m a filled
@@ -151,10 +134,10 @@ struct TrackingResult {
 ///
 /// over markers m, coordinate tasks c, targets of our own o and wires l. The first frame starts
 /// cold, see ColdStart, the others from the solution before them. The recording is cut into pieces
-/// of fixed length; their first frames are solved one after the other, the pieces in parallel. Where
-/// the end of a piece leads to another minimum than the next one begins with, the frame is searched
-/// anew and the lower minimum followed both ways; so it is where a solution is doubtful, see
-/// look_again(). The results depend on the recording only, never on the number of threads.
+/// of fixed length; their first frames are solved one after the other, the pieces in parallel.
+/// Where the end of a piece leads to another minimum than the next one begins with, the frame is
+/// searched anew and the lower minimum followed both ways; so it is where a solution is doubtful,
+/// see look_again(). The results depend on the recording only, never on the number of threads.
 TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tree,
                      const TrackingProblem& tracking, const MarkerTrajectories& markers,
                      const TrackingOptions& options);

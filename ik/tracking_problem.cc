@@ -217,29 +217,6 @@ TrackingProblem bind_recording(const MusculoskeletalModel& model, const Kinemati
   return Binder(model, tree, recording, tasks, coordinate_values, options).bind();
 }
 
-void weigh_filled_samples(TrackingProblem& tracking, const MarkerTrajectories& markers,
-                          const std::vector<FilledStretch>& filled, double scale) {
-  if (!(scale >= 0.0 && scale <= 1.0)) {
-    throw std::invalid_argument(
-        fmt::format("a filled sample's weight is {}; expected 0 to 1", scale));
-  }
-  const auto columns = static_cast<Eigen::Index>(tracking.markers.size());
-  tracking.marker_scales = RowMatrix::Ones(markers.frame_count(), columns);
-  for (const FilledStretch& stretch : filled) {
-    if (stretch.first < 0 || stretch.count < 0 ||
-        stretch.first + stretch.count > markers.frame_count()) {
-      throw std::invalid_argument(fmt::format(
-          "filled samples {} to {} of {} are not in a recording "
-          "of {} frames",
-          stretch.first, stretch.first + stretch.count - 1, stretch.marker, markers.frame_count()));
-    }
-    for (Eigen::Index i = 0; i < columns; ++i) {
-      if (tracking.markers[static_cast<std::size_t>(i)].name != stretch.marker) continue;
-      tracking.marker_scales.col(i).segment(stretch.first, stretch.count).setConstant(scale);
-    }
-  }
-}
-
 namespace {
 
 // What coordinates beside the markers' mean are multiplied by in a frame: exactly 1 where all is

@@ -142,6 +142,7 @@ void Conversion::edit_part(Recording& recording) const {
   RecordingEdits edits = prepare.edit.edits();
   RecordingEdits of_table;
   std::swap(of_table.shift_forces, edits.shift_forces);
+  std::swap(of_table.samples, edits.samples);
   apply(recording.markers ? edits : of_table, recording);
 }
 

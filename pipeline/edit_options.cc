@@ -40,6 +40,9 @@ void EditOptions::add_to(CLI::App& command) {
       "--zero-plates", unloaded,
       "Take forces between these times as zero, FROM-TO or PLATE@FROM-TO [s]; given twice, the "
       "baseline goes straight from one to the other");
+  repeated("--drop-samples", samples,
+           "Leave samples of a channel or column out, NAME@FROM-TO [s], and go straight from the "
+           "one before to the one behind; may be repeated");
   command
       .add_option("--shift-forces", shift_forces,
                   "Move forces and all channels to later times by this; negative for earlier [s]")
@@ -54,6 +57,8 @@ RecordingEdits EditOptions::edits() const {
   edits.swaps = parse_all(swaps, "--swap", "A,B or A,B@FROM-TO", parse_swap);
   edits.drops = parse_all(drops, "--drop", "NAME or NAME@FROM-TO", parse_drop);
   edits.renames = parse_all(renames, "--rename", "OLD=NEW", parse_rename);
+  edits.samples =
+      parse_all(samples, "--drop-samples", "NAME@FROM-TO, in seconds", parse_sample_drop);
   edits.unloaded =
       parse_all(unloaded, "--zero-plates", "FROM-TO or PLATE@FROM-TO, in seconds", parse_unloaded);
   return edits;
@@ -68,11 +73,13 @@ void apply(const RecordingEdits& edits, Recording& recording) {
   if (!edits.unloaded.empty()) refuse("--zero-plates", "no channels of force platforms");
   if (recording.markers) {
     if (edits.shift_forces != 0.0) refuse("--shift-forces", "markers");
+    if (!edits.samples.empty()) refuse("--drop-samples", "markers");
     return edit_markers(*recording.markers, recording.metres_per_unit, edits);
   }
   if (edits.edits_markers()) {
     refuse("--unit, --swap, --drop, --swap-sides and --rename", "a table");
   }
+  drop_samples(*recording.table, edits.samples);
   recording.table->time.array() += edits.shift_forces;
 }
 

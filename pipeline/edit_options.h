@@ -12,7 +12,7 @@ namespace sinew {
 /// The command-line options that put a recording right, as `sinew check` names them.
 struct EditOptions {
   std::string unit;
-  std::vector<std::string> swaps, drops, renames, unloaded;
+  std::vector<std::string> swaps, drops, renames, unloaded, samples;
   bool swap_sides = false;
   double shift_forces = 0.0;  // [s]
 

@@ -7,6 +7,7 @@
 #include "pipeline/command.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/output_check.h"
+#include "pipeline/spikes.h"
 
 namespace sinew {
 
@@ -30,8 +31,13 @@ IdJob prepare_id(const MusculoskeletalModel& model, const IdOptions& options,
     require_file(setup.data_file, location_of(setup, "datafile"), "datafile", "--load-data");
     job.load_data_file = setup.data_file;
   }
-  const TimeTableFile data = read_storage(job.load_data_file);
+  TimeTableFile data = read_storage(job.load_data_file);
   bind_columns(setup, data.table.labels, job.load_data_file.string());
+  if (options.force_spikes == "auto") {
+    std::vector<Warning> left_out;
+    leave_out_spikes(data.table, job.load_data_file.string(), left_out);
+    report(warnings, left_out);
+  }
   job.loads = ExternalLoads(model, setup, data);
   report(warnings, setup.warnings);
   report(warnings, data.warnings);

@@ -18,6 +18,11 @@ void IdOptions::add_to(CLI::App& command) {
                               "[Hz]; negative for none; {} unless given here or in a setup",
                               kDefaultCutoff))
       ->check(a_cutoff());
+  command
+      .add_option("--force-spikes", force_spikes,
+                  "Samples of forces that no force makes: auto leaves them out, none does not")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->capture_default_str();
   command.add_flag("--project-couplers", project_couplers,
                    "Fold the forces of coupled coordinates onto the coordinates that drive them");
   command.add_flag("--exact-custom-joints", exact_custom_joints,

@@ -13,6 +13,7 @@ namespace sinew {
 struct IdOptions {
   std::string loads, load_data;
   std::optional<double> cutoff;  // [Hz]
+  std::string force_spikes = "auto";
   bool project_couplers = false, exact_custom_joints = false;
 
   void add_to(CLI::App& command);

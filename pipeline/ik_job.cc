@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "data/gap_filling.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
+#include "ik/undetermined_stretches.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
 #include "pipeline/coordinate_values.h"
+#include "pipeline/gap_reasons.h"
+#include "pipeline/spikes.h"
 
 namespace sinew {
 namespace {
@@ -30,11 +34,34 @@ std::string to_text(const TimeRange& range) {
 void weigh_filled(const IkInputs& inputs, IkJob& job) {
   const MarkerTrajectories& markers = job.recording.markers;
   std::vector<FilledStretch> stretches;
-  for (const MarkerGap& gap : read_filled_gaps(inputs.filled_file, markers)) {
-    stretches.push_back(
-        {markers.names[static_cast<std::size_t>(gap.marker)], gap.first, gap.count});
+  for (const FilledGap& filled : read_filled_gaps(inputs.filled_file, markers)) {
+    const bool left = filled.method == FilledGap::Method::kNone;
+    stretches.push_back({markers.names[static_cast<std::size_t>(filled.gap.marker)],
+                         filled.gap.first, filled.gap.count,
+                         left ? std::numeric_limits<double>::infinity() : filled.error});
   }
   weigh_filled_samples(job.tracking, markers, stretches, inputs.filled_weight);
+}
+
+// Where too few markers are seen nothing is invented: coordinates go from what is known before to
+// what is known behind, and the reasons say which and when.
+void bridge_gaps(IkJob& job, TrackingResult& result) {
+  const MarkerTrajectories& markers = job.recording.markers;
+  const int first = job.options.first_frame;
+  const std::vector<UndeterminedStretch> stretches = find_undetermined_stretches(
+      job.model, job.tree, job.tracking, markers, first, result.coordinates);
+  job.reasons =
+      gap_reasons(job.model, job.tracking, markers, first, job.options.end_frame, stretches);
+  for (const VerdictReason& reason : job.reasons) {
+    report(job.warnings, {{{job.recording.path}, reason.text}});
+  }
+  if (stretches.empty()) return;
+  const double seconds = result.seconds;
+  const TrackingProblem bridged =
+      bridge_stretches(job.model, job.tree, job.tracking, stretches, markers.frame_count(), first,
+                       result.coordinates);
+  result = track(job.model, job.tree, bridged, markers, job.options);
+  result.seconds += seconds;
 }
 
 }  // namespace
@@ -54,6 +81,9 @@ IkJob prepare_ik(const IkInputs& inputs) {
   job.recording = read_trc(inputs.marker_file);
   append(job.warnings, job.model.warnings);
   append(job.warnings, job.recording.warnings);
+  if (inputs.leave_out_spikes) {
+    leave_out_spikes(job.recording.markers, job.recording.path, "--spikes none", job.warnings);
+  }
   RowMatrix values;
   if (!inputs.coordinate_file.empty()) {
     const CoordinateTable table = coordinate_table(job.model, read_storage(inputs.coordinate_file));
@@ -83,6 +113,7 @@ std::optional<TrackingResult> solve_ik(IkJob& job) {
   job.options.progress = progress_bar("inverse kinematics");
   TrackingResult result =
       track(job.model, job.tree, job.tracking, job.recording.markers, job.options);
+  if (!result.stopped) bridge_gaps(job, result);
   if (result.stopped) {
     fmt::print(stderr, "stopped; no results were written\n");
     return std::nullopt;

@@ -8,7 +8,9 @@
 #include "data/marker_trajectories.h"
 #include "data/time_table.h"
 #include "data/tool_setup.h"
+#include "data/verdict_reason.h"
 #include "dynamics/coordinate_table.h"
+#include "ik/filled_weights.h"
 #include "ik/tracking.h"
 #include "model/kinematic_tree.h"
 #include "model/musculoskeletal_model.h"
@@ -39,7 +41,8 @@ struct IkInputs {
   WireOptions wires;
   bool name_unmatched = true;            // as BindingOptions'
   std::filesystem::path filled_file;     // which samples were filled in; may be empty
-  double filled_weight = kFilledWeight;  // of these
+  double filled_weight = kFilledWeight;  // of these, where nothing tells how well
+  bool leave_out_spikes = true;          // of markers (data/marker_spikes.h)
   int threads = 0;
   bool record_iterations = false;  // for a trace
 };
@@ -51,7 +54,8 @@ struct IkJob {
   MarkerFile recording;
   TrackingProblem tracking;
   TrackingOptions options;
-  std::vector<Warning> warnings;  // of reading and binding
+  std::vector<Warning> warnings;       // of reading and binding
+  std::vector<VerdictReason> reasons;  // of gaps; complete after solve_ik()
 };
 
 /// The files among the inputs, for check_output and summary.json.
@@ -61,8 +65,9 @@ InputFiles input_files(const IkInputs& inputs);
 /// time range without frames.
 IkJob prepare_ik(const IkInputs& inputs);
 
-/// Solves the job with a progress bar; nothing if Ctrl-C stopped it, which is said on standard
-/// error. Throws std::runtime_error if a result is not finite.
+/// Solves the job with a progress bar, a second time where markers are missing that the pose hangs
+/// on (ik/undetermined_stretches.h), and adds job.reasons; nothing if Ctrl-C stopped it, which is
+/// said on standard error. Throws std::runtime_error if a result is not finite.
 std::optional<TrackingResult> solve_ik(IkJob& job);
 
 /// Frames of `time` within the range, to a thousandth of a step; first and one past the last.

@@ -50,9 +50,17 @@ void IkOptions::add_to(CLI::App& command) {
                      "List of the markers' samples that were filled in, as `sinew convert` and "
                      "`sinew run --c3d` write it (.csv); they weigh less");
   command
-      .add_option("--filled-weight", filled_weight,
-                  "What a filled sample weighs beside a measured one, 0 to 1")
+      .add_option(
+          "--filled-weight", filled_weight,
+          "What a filled sample weighs beside a measured one where nothing tells how well it "
+          "was filled, 0 to 1; one off by less than 15 mm weighs more")
       ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--spikes", spikes,
+                  "Markers that are for a moment where they cannot be: auto takes them as not "
+                  "measured then, none takes all as measured")
+      ->check(CLI::IsMember({"auto", "none"}))
       ->capture_default_str();
   command.add_option("--trace", trace, "Write cost, gradient and step of every iteration (.csv)");
   command
@@ -71,6 +79,7 @@ IkInputs IkOptions::inputs() const {
   inputs.coordinate_file = coordinates;
   inputs.filled_file = filled;
   inputs.filled_weight = filled_weight;
+  inputs.leave_out_spikes = spikes == "auto";
   inputs.range.from = from;
   inputs.range.to = to;
   inputs.method = method;

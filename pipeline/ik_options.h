@@ -13,6 +13,7 @@ namespace sinew {
 struct IkOptions {
   std::string model, markers, tasks, coordinates, filled, trace;
   double filled_weight = kFilledWeight;
+  std::string spikes = "auto";
   std::optional<double> from, to;
   std::string method = IkInputs{}.method;
   double tolerance = IkInputs{}.tolerance;

@@ -66,9 +66,10 @@ class Preparation {
     report(warnings_, generic.model.warnings);
     check_first(generic, walk.edits);
     MarkerTrajectories markers = name(walk, "", generic.model);
-    scale(generic, walk, markers);
-    condition_lab_markers(markers, walk.file.path, folder_ / kModel, folder_ / kFilled, log_,
-                          warnings_);
+    const GapFillResult filled =
+        fill_lab_markers(markers, walk.file.path, generic.file, folder_ / kFilled, log_, warnings_);
+    scale(generic, walk, well_filled(markers, filled));
+    filter_lab_markers(markers, walk.file.path, log_, warnings_);
     write_trc(folder_ / kMarkers, markers);
     settle_motion(markers);
     assign_loads(walk, markers);
@@ -152,7 +153,8 @@ class Preparation {
         {"filled weight",
          {},
          kFilledWeight,
-         "of a measured marker's: filled positions follow from others and measure nothing",
+         "of a measured marker's where nothing tells how well it was filled; better ones weigh "
+         "more",
          {},
          "",
          "--filled-weight"},
@@ -162,13 +164,12 @@ class Preparation {
                             ik_tasks_document("lab", lab_tasks(markers, model_, log_)));
       job_.ik.tasks = (folder_ / kTasks).string();
     }
-    const bool gaps = has_gaps(markers, model_, from, to);
     job_.dynamics.cutoff =
         log_.settle_number({"coordinate cutoff",
                             {},
-                            gaps ? kDefaultCutoff : -1.0,
-                            gaps ? "[Hz] gaps that stay make coordinates jump"
-                                 : "not filtered again: the markers are filtered as the forces are",
+                            -1.0,
+                            "not filtered again: the markers are filtered as the forces are, and "
+                            "weights run smoothly into gaps",
                             {},
                             "",
                             "--cutoff"});

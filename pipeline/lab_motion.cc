@@ -21,6 +21,8 @@ constexpr double kRunningSpeed = 2.2;                          // [m/s]
 constexpr double kWalkingCutoff = 6.0, kRunningCutoff = 15.0;  // [Hz]
 // Splines are off by 2 to 3 mm over this time and by 8 to 17 mm over twice as much: kFilledWeight.
 constexpr double kMaxGap = 0.1;  // [s]
+// What a sample may be off to say as much of sizes as a measured one: less than skin moves it [m].
+constexpr double kGoodFill = 0.002;
 // As when sizes are fitted [1/rad² over 1/m²]. With a tenth of it spines of real trials buckled to
 // one side and, from one frame to the next, to the other.
 const double kPostureWeight =
@@ -97,10 +99,10 @@ Decision matched_cutoff(const MarkerTrajectories& markers) {
   return decision;
 }
 
-void condition_lab_markers(MarkerTrajectories& markers, const std::string& path,
-                           const std::filesystem::path& model_file,
-                           const std::filesystem::path& filled_file, DecisionLog& log,
-                           std::vector<Warning>& warnings) {
+GapFillResult fill_lab_markers(MarkerTrajectories& markers, const std::string& path,
+                               const std::filesystem::path& model_file,
+                               const std::filesystem::path& filled_file, DecisionLog& log,
+                               std::vector<Warning>& warnings) {
   PrepareOptions prepare;
   prepare.segments_from = model_file.string();
   prepare.max_gap = log.settle_number(
@@ -114,11 +116,29 @@ void condition_lab_markers(MarkerTrajectories& markers, const std::string& path,
                        "",
                        "--no-fill-rigid"},
                       true);
+  const MarkerTrajectories before = markers;
+  GapFillResult filled = prepare_markers(markers, path, prepare, warnings);
+  // Unless something is filled, nobody has looked for gaps.
+  if (!prepare.fills_gaps()) filled.left = find_gaps(before);
+  write_file_atomically(filled_file, filled_gaps_csv(before, filled));
+  return filled;
+}
+
+MarkerTrajectories well_filled(const MarkerTrajectories& markers, const GapFillResult& filled) {
+  MarkerTrajectories result = markers;
+  for (const FilledGap& gap : filled.filled) {
+    if (gap.error <= kGoodFill) continue;
+    result.p_WM.block(gap.gap.first, 3 * gap.gap.marker, gap.gap.count, 3).setConstant(kNaN);
+  }
+  return result;
+}
+
+void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, DecisionLog& log,
+                        std::vector<Warning>& warnings) {
+  PrepareOptions prepare;
   const double cutoff = log.settle_number(matched_cutoff(markers));
   if (cutoff > 0.0) prepare.marker_cutoff = cutoff;
-  const MarkerTrajectories before = markers;
-  const GapFillResult filled = prepare_markers(markers, path, prepare, warnings);
-  write_file_atomically(filled_file, filled_gaps_csv(before, filled));
+  prepare_markers(markers, path, prepare, warnings);
 }
 
 std::pair<double, double> settle_range(const MarkerTrajectories& markers,
@@ -139,19 +159,6 @@ std::pair<double, double> settle_range(const MarkerTrajectories& markers,
   const double from = log.settle_number({"from", {}, markers.time[first], why, {}, "", "--from"});
   const double to = log.settle_number({"to", {}, markers.time[last], why, {}, "", "--to"});
   return {from, to};
-}
-
-bool has_gaps(const MarkerTrajectories& markers, const MusculoskeletalModel& model, double from,
-              double to) {
-  for (const int m : tracked_markers(markers, model)) {
-    bool measured = false, missing = false;
-    for (int f = 0; f < markers.frame_count(); ++f) {
-      if (markers.time[f] < from || markers.time[f] > to) continue;
-      (is_measured(markers, f, m) ? measured : missing) = true;
-    }
-    if (measured && missing) return true;
-  }
-  return false;
 }
 
 std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,

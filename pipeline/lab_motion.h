@@ -17,21 +17,24 @@ namespace sinew {
 /// 2.2 m/s, which is beyond where people break into a run.
 Decision matched_cutoff(const MarkerTrajectories& markers);
 
-/// Fills gaps and filters in place, settling how; `model_file` tells which markers sit on one body.
-/// Writes the list of filled samples.
-void condition_lab_markers(MarkerTrajectories& markers, const std::string& path,
-                           const std::filesystem::path& model_file,
-                           const std::filesystem::path& filled_file, DecisionLog& log,
-                           std::vector<Warning>& warnings);
+/// Fills gaps in place, settling how; `model_file` tells which markers sit on one body. Writes the
+/// list of gaps.
+GapFillResult fill_lab_markers(MarkerTrajectories& markers, const std::string& path,
+                               const std::filesystem::path& model_file,
+                               const std::filesystem::path& filled_file, DecisionLog& log,
+                               std::vector<Warning>& warnings);
+
+/// The markers without samples that were not filled well enough for sizes to be fitted to them.
+MarkerTrajectories well_filled(const MarkerTrajectories& markers, const GapFillResult& filled);
+
+/// Filters in place, settling how.
+void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, DecisionLog& log,
+                        std::vector<Warning>& warnings);
 
 /// Settles from and to: from the first frame to the last in which at least half of the model's
 /// recorded markers are measured.
 std::pair<double, double> settle_range(const MarkerTrajectories& markers,
                                        const MusculoskeletalModel& model, DecisionLog& log);
-
-/// Whether between these times some marker that is tracked comes or goes, so that coordinates jump.
-bool has_gaps(const MarkerTrajectories& markers, const MusculoskeletalModel& model, double from,
-              double to);
 
 /// A task for every marker that model and recording share, with weight 1, and one for every
 /// coordinate that these leave undetermined, which draws it to its default. The posture weight

@@ -13,6 +13,7 @@
 #include "pipeline/command.h"
 #include "pipeline/edit_options.h"
 #include "pipeline/recording.h"
+#include "pipeline/spikes.h"
 
 namespace sinew {
 namespace {
@@ -108,6 +109,7 @@ RecordingEdits settle_edits(const std::string& trial, const C3dFile& file, Decis
     said.swap_sides = log.settle_flag(decision("swap sides", "--swap-sides"));
   }
   settle_list("rename", "--rename", said.renames);
+  settle_list("drop samples", "--drop-samples", said.samples);
   settle_list("zero plates", "--zero-plates", said.unloaded);
   if (log.said("shift forces")) {
     said.shift_forces = log.settle_number(decision("shift forces", "--shift-forces"));
@@ -157,7 +159,15 @@ LabTrial read_lab_recording(const std::string& path, const std::string& trial, d
   recording.file = read_trial(path, warnings);
   require_c3d_part(recording.file, recording.file.markers.marker_count() > 0, "markers");
   recording.edits = settle_edits(trial, recording.file, log);
+  // Before baselines are taken of the channels.
+  for (SampleDrop& spike : settle_force_spikes(trial, recording.file, log)) {
+    recording.edits.samples.push_back(std::move(spike));
+  }
   edit_recording(recording.file, recording.edits);
+  RecordingEdits spikes;
+  spikes.spikes = settle_spikes(trial, recording.file.markers, log);
+  edit_recording(recording.file, spikes);
+  recording.edits.spikes = spikes.spikes;
   ForcePlatforms platforms = compute_forces(recording.file, {.threshold = threshold});
   report(warnings, platforms.warnings);
   recording.plates = std::move(platforms.recordings);

@@ -14,6 +14,7 @@
 #include "data/preflight_markers.h"
 #include "data/preflight_rate.h"
 #include "data/preflight_sides.h"
+#include "data/preflight_spikes.h"
 #include "data/preflight_swaps.h"
 #include "data/preflight_timing.h"
 #include "data/preflight_units.h"
@@ -134,6 +135,9 @@ class Check {
     if (unit.empty()) append(findings_, find_stray_markers(markers()));
     append(findings_, find_static_markers(markers()));
     append(findings_, find_swap_faults(markers()));
+    if (unit.empty()) {
+      append(findings_, find_spike_faults(markers(), find_marker_swaps(markers())));
+    }
     append(findings_, find_side_faults(markers(), axes_));
     append(findings_, find_gap_faults(markers()));
     if (!inputs_.model) return;
@@ -163,6 +167,9 @@ class Check {
     if (recording_.c3d) {
       append(findings_, find_force_rate_faults(*recording_.c3d));
       append(findings_, find_saturation(*recording_.c3d, platforms_.recordings));
+      std::vector<ForcePlatform> platforms;
+      for (const auto& plate : platforms_.recordings) platforms.push_back(plate.platform);
+      append(findings_, find_force_spike_faults(*recording_.c3d, platforms));
       for (const ForcePlatformRecording& plate : platforms_.recordings) {
         append(findings_, find_baseline_faults(plate, inputs_.threshold));
       }
@@ -170,7 +177,11 @@ class Check {
       if (has_markers(recording_) && axes_.up.known()) {
         append(findings_, find_clock_faults(markers(), signals_, axes_.up.axis));
       }
-    } else if (recording_.table && partner_) {
+    }
+    if (recording_.table && !recording_.c3d) {
+      append(findings_, find_force_spike_faults(*recording_.table));
+    }
+    if (!recording_.c3d && recording_.table && partner_) {
       const std::vector<ForceSignal> signals = force_signals(*recording_.table, inputs_.threshold);
       const LaboratoryAxes axes = find_axes(axis_evidence(*partner_->markers, std::nullopt, {}));
       if (signals.empty() || !axes.up.known()) return;

@@ -11,6 +11,7 @@
 #include "model/whole_body.h"
 #include "pipeline/coordinate_values.h"
 #include "pipeline/ik_job.h"
+#include "pipeline/spikes.h"
 
 namespace sinew {
 namespace {
@@ -31,6 +32,7 @@ MarkerFile recording_of(const ScaleJob& job, const Setup& step, std::vector<Warn
   if (job.static_trial) return *job.static_trial;
   MarkerFile recording = read_trc(step.marker_file);
   append(warnings, recording.warnings);
+  leave_out_spikes(recording.markers, recording.path, "", warnings);
   return recording;
 }
 
@@ -158,8 +160,10 @@ ScaledModel run_auto_scale(const AutoScaleJob& job) {
   ScaledModel scaled = start(open_model(job.model_file), job.marker_set_file);
   if (!job.name.empty()) scaled.document.rename(job.name);
   std::vector<AutoScaleTrial> trials;
-  for (const MarkerFile& trial : job.trials) {
+  std::vector<MarkerFile> recordings = job.trials;
+  for (MarkerFile& trial : recordings) {
     append(scaled.warnings, trial.warnings);
+    leave_out_spikes(trial.markers, trial.path, "", scaled.warnings);
     trials.push_back({&trial, job.from, job.to});
   }
   AutoScaleOptions options = job.options;

@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
+#include "ik/filled_weights.h"
 #include "ik/residual_rows.h"
-#include "ik/tracking.h"
 #include "model/osim_file.h"
 #include "tests/data/test_files.h"
 #include "tests/ik/methods.h"
@@ -13,6 +14,9 @@ namespace sinew {
 namespace {
 
 // A body that only shifts along x, with three markers: what is found is their weighted mean.
+constexpr int kFrames = 100;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 constexpr const char* kSlider = R"(<OpenSimDocument Version="40000">
 <Model name="slider">
 <BodySet><objects><Body name="cart"><mass>1</mass><mass_center>0 0 0</mass_center><inertia>1 1 1 0 0 0</inertia></Body></objects></BodySet>
@@ -34,10 +38,12 @@ class FilledSamples : public ::testing::Test {
     MarkerTrajectories& markers = recording_.markers;
     markers.names = {"A", "B", "C"};
     markers.rate = 100.0;
-    markers.time = Eigen::VectorXd::LinSpaced(4, 0.0, 0.03);
-    markers.frame_numbers = {1, 2, 3, 4};
-    markers.p_WM.resize(4, 9);
-    for (int f = 0; f < 4; ++f) markers.p_WM.row(f) << 0.1, 1, 0, 0.2, 2, 0, 0.9, 3, 0;
+    markers.time = Eigen::VectorXd::LinSpaced(kFrames, 0.0, 0.01 * (kFrames - 1));
+    markers.p_WM.resize(kFrames, 9);
+    for (int f = 0; f < kFrames; ++f) {
+      markers.frame_numbers.push_back(f + 1);
+      markers.p_WM.row(f) << 0.1, 1, 0, 0.2, 2, 0, 0.9, 3, 0;
+    }
     tracking_ = bind_recording(model_, tree_, recording_, nullptr, nullptr);
   }
 
@@ -55,24 +61,71 @@ class FilledSamples : public ::testing::Test {
   TrackingProblem tracking_;
 };
 
-TEST_F(FilledSamples, WeighLessInTheirFramesOnly) {
-  weigh_filled_samples(tracking_, recording_.markers, {{"C", 1, 2}}, 0.25);
+TEST_F(FilledSamples, WeighLessAndSmoothlyBeside) {
+  weigh_filled_samples(tracking_, recording_.markers, {{"C", 50, 2}}, 0.25);
+  // Two frames off, a tenth of the taper of 0.2 s: 1 − 0.75 (1 − 10x³ + 15x⁴ − 6x⁵), x = 0.1.
+  const double beside = 1.0 - 0.75 * (1.0 - 0.01 + 0.0015 - 0.00006);
+  EXPECT_NEAR(tracking_.marker_scales(48, 2), beside, 1e-12);
+  EXPECT_NEAR(tracking_.marker_scales(53, 2), beside, 1e-12);
+  EXPECT_NEAR(tracking_.marker_scales(40, 2), 1.0 - 0.75 * 0.5, 1e-12);  // the middle
   for (const Method method : kEveryMethod) {
     SCOPED_TRACE(to_string(method));
     const TrackingResult result = solve(method);
-    const double all = (0.1 + 0.2 + 0.9) / 3.0, less = (0.1 + 0.2 + 0.25 * 0.9) / 2.25;
-    EXPECT_NEAR(result.coordinates(0, 0), all, 1e-8);
-    EXPECT_NEAR(result.coordinates(1, 0), less, 1e-8);
-    EXPECT_NEAR(result.coordinates(2, 0), less, 1e-8);
-    EXPECT_NEAR(result.coordinates(3, 0), all, 1e-8);
+    const auto mean = [](double weight) { return (0.3 + 0.9 * weight) / (2.0 + weight); };
+    EXPECT_NEAR(result.coordinates(0, 0), mean(1.0), 1e-8);
+    EXPECT_NEAR(result.coordinates(30, 0), mean(1.0), 1e-8);
+    EXPECT_NEAR(result.coordinates(48, 0), mean(beside), 1e-8);
+    EXPECT_NEAR(result.coordinates(50, 0), mean(0.25), 1e-8);
+    EXPECT_NEAR(result.coordinates(51, 0), mean(0.25), 1e-8);
+    EXPECT_NEAR(result.coordinates(71, 0), mean(1.0), 1e-8);
   }
-  weigh_filled_samples(tracking_, recording_.markers, {{"C", 0, 4}}, 0.0);
+  weigh_filled_samples(tracking_, recording_.markers, {{"C", 0, kFrames}}, 0.0);
   EXPECT_NEAR(solve().coordinates(2, 0), 0.15, 1e-8);
+}
+
+// Inverse variances: 5 mm of a measured sample, and what the fill is off besides.
+TEST(FilledWeight, FollowsFromTheError) {
+  EXPECT_EQ(filled_weight(0.0), 1.0);
+  EXPECT_NEAR(filled_weight(5e-6), 1.0, 1e-6);
+  EXPECT_NEAR(filled_weight(0.005), 0.5, 1e-12);
+  EXPECT_NEAR(filled_weight(0.015), 0.1, 1e-12);
+  EXPECT_NEAR(filled_weight(0.1), 25e-6 / (25e-6 + 0.01), 1e-12);
+  EXPECT_EQ(filled_weight(std::nan("")), kFilledWeight);
+  EXPECT_EQ(filled_weight(kInfinity), 0.0);
+  EXPECT_EQ(filled_weight(0.03, 1.0), 1.0);
+  EXPECT_EQ(filled_weight(0.001, 0.0), 0.0);
+}
+
+// A weight with a bounded second difference gives a pose with one: nowhere more than b″
+// has, 5.8/T².
+TEST_F(FilledSamples, WeightsHaveNoStep) {
+  const double bound = 5.8 / (kWeightTaper * kWeightTaper) * 1e-4;
+  for (const double error : {0.001, 0.01, kInfinity}) {
+    weigh_filled_samples(tracking_, recording_.markers, {{"B", 40, 1, error}, {"B", 95, 5, error}});
+    const Eigen::VectorXd w = tracking_.marker_scales.col(1);
+    double steepest = 0.0;
+    for (int f = 2; f < kFrames; ++f) {
+      steepest = std::max(steepest, std::abs(w[f] - 2.0 * w[f - 1] + w[f - 2]));
+    }
+    EXPECT_LE(steepest, bound * (1.0 - filled_weight(error))) << error;
+    EXPECT_NEAR(w[40], filled_weight(error), 1e-12);
+  }
+}
+
+// Of markers that run out together only the ratio counts.
+TEST_F(FilledSamples, MarkersThatRunOutTogetherKeepTheirRatio) {
+  weigh_filled_samples(tracking_, recording_.markers,
+                       {{"A", 50, 5, kInfinity}, {"B", 50, 5, kInfinity}, {"C", 50, 5, kInfinity}});
+  for (int f = 0; f < kFrames; ++f) {
+    if (f >= 50 && f < 55) continue;
+    for (int i = 0; i < 3; ++i) EXPECT_DOUBLE_EQ(tracking_.marker_scales(f, i), 1.0) << f;
+  }
 }
 
 TEST_F(FilledSamples, CountInNoError) {
   weigh_filled_samples(tracking_, recording_.markers, {{"C", 1, 2}}, 0.25);
   const TrackingResult result = solve();
+  // What is measured beside them is measured, though it weighs less.
   EXPECT_EQ(result.frames[0].measured_markers, 3);
   EXPECT_EQ(result.frames[1].measured_markers, 2);
   EXPECT_TRUE(std::isnan(result.marker_errors(1, 2)));
@@ -115,8 +168,8 @@ TEST_F(FilledSamples, RefusesWhatDoesNotFit) {
     return "no error";
   };
   EXPECT_EQ(text({}, 1.5), "a filled sample's weight is 1.5; expected 0 to 1");
-  EXPECT_EQ(text({{"A", 3, 2}}, 0.5),
-            "filled samples 3 to 4 of A are not in a recording of 4 frames");
+  EXPECT_EQ(text({{"A", 99, 2}}, 0.5),
+            "filled samples 99 to 100 of A are not in a recording of 100 frames");
 }
 
 }  // namespace

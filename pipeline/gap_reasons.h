@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "data/marker_trajectories.h"
+#include "data/verdict_reason.h"
+#include "ik/tracking.h"
+#include "ik/undetermined_stretches.h"
+
+namespace sinew {
+
+/// What gaps take from a result, over frames `first` … `end` − 1 that were solved:
+///
+/// `filled-share`: the part of the tracked markers' samples that were not measured, whether they
+///   were filled or stay missing, where it exceeds a tenth, and the markers of which a quarter was
+///   not. Sinew's limits: of two published walks a tenth cut out moved no joint's angle by more
+///   than what examiners differ by.
+/// `gap`: stretches that leave coordinates undetermined, with their times and these coordinates,
+///   of which neither angles nor torques can be used there; unusable where that is more than a
+///   quarter of the frames. And markers that are measured in fewer frames than a tenth of a second
+///   has, which say nothing.
+std::vector<VerdictReason> gap_reasons(const MusculoskeletalModel& model,
+                                       const TrackingProblem& tracking,
+                                       const MarkerTrajectories& markers, int first, int end,
+                                       const std::vector<UndeterminedStretch>& stretches);
+
+}  // namespace sinew
