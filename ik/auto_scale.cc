@@ -14,6 +14,8 @@
 
 #include "ik/auto_scale_parameters.h"
 #include "ik/auto_scale_samples.h"
+#include "ik/box_quadratic.h"
+#include "ik/distance_sizes.h"
 #include "ik/residual_rows.h"
 #include "ik/tracking.h"
 
@@ -42,6 +44,8 @@ class AutoScaler {
 
  private:
   void start();
+  std::vector<Frame> find_poses(const CompiledSamples& compiled) const;
+  bool look_again();
   std::vector<int> tracked_markers(const CompiledSamples& compiled) const;
   double fit_poses(const CompiledSamples& compiled, std::vector<Frame>& frames) const;
   double prior(const VectorXd& theta) const { return 0.5 * theta.dot(precision_ * theta); }
@@ -51,10 +55,13 @@ class AutoScaler {
                           const VectorXd& theta, ResidualRows& rows) const;
   void add_frame(const CompiledSamples& compiled, const Frame& frame, const ResidualRows& rows,
                  const MatrixXd& J);
-  bool step(VectorXd& theta);
-  double rms(const CompiledSamples& compiled, const std::vector<Frame>& frames) const;
-  void finish(const VectorXd& theta);
-  void describe(const VectorXd& theta);
+  bool step();
+  void iterate();
+  double rms(const CompiledSamples& compiled, const std::vector<Frame>& frames,
+             std::optional<std::size_t> of_sample = {}) const;
+  void finish();
+  void describe();
+  void name_limits();
 
   template <typename Body>
   void parallel(std::size_t count, const Body& body) const {
@@ -71,6 +78,7 @@ class AutoScaler {
   std::vector<FrameSample> samples_;
   std::vector<Frame> frames_;
   AutoScaleParameters parameters_;
+  VectorXd theta_;
   MatrixXd precision_;  // P⁻¹
   MatrixXd N_;          // curvature of the data's part
   VectorXd g_;          // gradient of F
@@ -86,7 +94,7 @@ std::vector<int> AutoScaler::tracked_markers(const CompiledSamples& compiled) co
   return {tracked.begin(), tracked.end()};
 }
 
-// Poses with the model as it is, each the lowest of several starts.
+// Sizes by distances between markers, and the poses of a model of these.
 void AutoScaler::start() {
   const CompiledSamples bare(model_, samples_, options_.name_unmatched);
   for (std::size_t s = 0; s < samples_.size(); ++s) {
@@ -95,30 +103,53 @@ void AutoScaler::start() {
                             problem.warnings.end());
     samples_[s].tasks = posture_tasks(bare, s, samples_[s].file.markers, options_);
   }
-  const CompiledSamples compiled(model_, samples_);
+  parameters_ = choose_parameters(model_, tracked_markers(bare), options_);
+  precision_ = parameters_.prior_precision();
+  theta_ = sizes_from_distances(model_, parameters_, samples_, options_);
+  const CompiledSamples rough(parameters_.apply(model_, theta_), samples_);
+  frames_ = find_poses(rough);
+  result_.frames = static_cast<int>(frames_.size());
+  const CompiledSamples before(model_, samples_);
+  std::vector<Frame> frames = frames_;
+  fit_poses(before, frames);
+  result_.rms_before = rms(before, frames);
+  F_ = fit_poses(rough, frames_) + prior(theta_);
+}
+
+// The poses of all frames in which something is measured, looked for without knowing any.
+std::vector<Frame> AutoScaler::find_poses(const CompiledSamples& compiled) const {
+  std::vector<Frame> frames;
   TrackingOptions tracking;
   tracking.minimizer = options_.minimizer;
   tracking.threads = options_.threads;
   tracking.cold_start = options_.cold_start;
   tracking.unrelated_frames = true;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
-    const TrackingProblem& problem = compiled.problems[s];
-    const TrackingResult poses =
-        track(model_, compiled.tree, problem, samples_[s].file.markers, tracking);
+    const TrackingResult poses = track(compiled.model, compiled.tree, compiled.problems[s],
+                                       samples_[s].file.markers, tracking);
     for (int i = 0; i < static_cast<int>(poses.frames.size()); ++i) {
       Frame frame{s, i, compiled.tree.default_q};
       for (std::size_t c = 0; c < compiled.tree.q_of_coordinate.size(); ++c) {
         frame.q[static_cast<std::size_t>(compiled.tree.q_of_coordinate[c])] =
             poses.coordinates(i, static_cast<Eigen::Index>(c));
       }
-      if (poses.frames[static_cast<std::size_t>(i)].measured_markers > 0) frames_.push_back(frame);
+      if (poses.frames[static_cast<std::size_t>(i)].measured_markers > 0) frames.push_back(frame);
     }
   }
-  result_.frames = static_cast<int>(frames_.size());
-  parameters_ = choose_parameters(model_, tracked_markers(compiled), options_);
-  precision_ = parameters_.prior_precision();
-  F_ = fit_poses(compiled, frames_);
-  result_.rms_before = rms(compiled, frames_);
+  return frames;
+}
+
+// Whether poses that are looked for anew, now that sizes are known, lie lower. They are taken then.
+bool AutoScaler::look_again() {
+  const CompiledSamples compiled(parameters_.apply(model_, theta_), samples_);
+  std::vector<Frame> frames = find_poses(compiled);
+  if (frames.size() != frames_.size()) return false;
+  const double F = fit_poses(compiled, frames) + prior(theta_);
+  constexpr double kWorthIt = 1e-3;  // below it sizes hardly change
+  if (!(F < (1.0 - kWorthIt) * F_)) return false;
+  F_ = F;
+  frames_ = std::move(frames);
+  return true;
 }
 
 // The data's part of F; each frame's pose is searched from where it was. Frames are summed in their
@@ -148,11 +179,13 @@ double AutoScaler::fit_poses(const CompiledSamples& compiled, std::vector<Frame>
   return sum;
 }
 
-double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>& frames) const {
+double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>& frames,
+                       std::optional<std::size_t> of_sample) const {
   double sum = 0.0;
   int count = 0;
   KinematicWorkspace ws(compiled.tree);
   for (const Frame& frame : frames) {
+    if (of_sample && *of_sample != frame.sample) continue;
     std::copy(frame.q.begin(), frame.q.end(), ws.q.begin());
     update_poses(compiled.tree, ws);
     const TrackingProblem& problem = compiled.problems[frame.sample];
@@ -191,8 +224,12 @@ MatrixXd AutoScaler::frame_jacobian(const std::vector<CompiledSamples>& perturbe
     std::copy(frame.q.begin(), frame.q.end(), raised_ws.q.begin());
     update_kinematics(other.tree, raised_ws);
     raised.update(other.tree, other.problems[frame.sample].problem, targets, raised_ws);
-    J.col(k) = std::exp(theta[k]) * (raised.b.head(rows.count) - rows.b.head(rows.count));
+    J.col(AutoScaleParameters::deviation_of(k)) =
+        std::exp(parameters_.log_factor(theta, k)) *
+        (raised.b.head(rows.count) - rows.b.head(rows.count));
   }
+  // The body's size raises all of them.
+  J.col(0) = J.middleCols(1, parameters_.factor_count()).rowwise().sum();
   // Position rows come first, three a measured marker, with weight 1.
   int row = 0;
   for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
@@ -237,7 +274,8 @@ void AutoScaler::linearize(const CompiledSamples& compiled, const VectorXd& thet
   perturbed.reserve(static_cast<std::size_t>(k));
   for (int i = 0; i < k; ++i) {
     VectorXd raised = theta;
-    raised[i] = std::log(std::exp(theta[i]) + 1.0);
+    raised[AutoScaleParameters::deviation_of(i)] =
+        std::log(std::exp(parameters_.log_factor(theta, i)) + 1.0) - theta[0];
     perturbed.emplace_back(parameters_.apply(model_, raised), samples_);
   }
   N_ = MatrixXd::Zero(parameters_.count(), parameters_.count());
@@ -260,27 +298,32 @@ void AutoScaler::linearize(const CompiledSamples& compiled, const VectorXd& thet
   }
 }
 
-// One Gauss-Newton step, halved until F falls; false at the end.
-bool AutoScaler::step(VectorXd& theta) {
-  const CompiledSamples compiled(parameters_.apply(model_, theta), samples_);
-  linearize(compiled, theta);
-  const VectorXd full = -(N_ + precision_).ldlt().solve(g_);
+// One Gauss-Newton step within the limits, halved until F falls; false at the end.
+bool AutoScaler::step() {
+  const CompiledSamples compiled(parameters_.apply(model_, theta_), samples_);
+  linearize(compiled, theta_);
+  const VectorXd full =
+      minimize_in_box(N_ + precision_, g_, parameters_.lower - theta_, parameters_.upper - theta_);
   const int k = parameters_.factor_count();
   constexpr int kHalvings = 12;
   double length = 1.0;
   for (int i = 0; i < kHalvings; ++i, length *= 0.5) {
-    const VectorXd trial = theta + length * full;
+    // Rounding must not carry it over a limit.
+    const VectorXd trial =
+        (theta_ + length * full).cwiseMax(parameters_.lower).cwiseMin(parameters_.upper);
     std::vector<Frame> frames = frames_;
     const CompiledSamples there(parameters_.apply(model_, trial), samples_);
     const double F = fit_poses(there, frames) + prior(trial);
     if (!(F < F_)) continue;
-    theta = trial;
+    const VectorXd taken = trial - theta_;
+    theta_ = trial;
     F_ = F;
     frames_ = std::move(frames);
-    const VectorXd taken = length * full;
-    result_.converged = taken.head(k).cwiseAbs().maxCoeff() < options_.tolerance &&
-                        (taken.size() == k || taken.tail(taken.size() - k).cwiseAbs().maxCoeff() <
-                                                  options_.offset_tolerance);
+    const auto factors = taken.segment(1, k).array() + taken[0];
+    const auto offsets = taken.tail(taken.size() - 1 - k);
+    result_.converged =
+        factors.abs().maxCoeff() < options_.tolerance &&
+        (offsets.size() == 0 || offsets.cwiseAbs().maxCoeff() <= options_.offset_tolerance);
     return !result_.converged;
   }
   // Nothing on the way lowers F: the limit of rounding, if the promised gain is that small.
@@ -289,60 +332,108 @@ bool AutoScaler::step(VectorXd& theta) {
   return false;
 }
 
-AutoScaleResult AutoScaler::run() {
-  const auto began = std::chrono::steady_clock::now();
-  start();
-  VectorXd theta = VectorXd::Zero(parameters_.count());
-  bool more = true;
-  for (result_.iterations = 0; more && result_.iterations < options_.max_iterations;
+void AutoScaler::iterate() {
+  for (bool more = true; more && result_.iterations < options_.max_iterations;
        ++result_.iterations) {
     if (options_.progress && !options_.progress(result_.iterations, options_.max_iterations)) {
       result_.stopped = true;
-      break;
+      return;
     }
-    more = step(theta);
+    more = step();
   }
-  finish(theta);
+}
+
+AutoScaleResult AutoScaler::run() {
+  const auto began = std::chrono::steady_clock::now();
+  start();
+  result_.iterations = 0;
+  // Each look finds a lower minimum or ends it; no recording has needed more than two.
+  constexpr int kLooks = 4;
+  for (int look = 0; look < kLooks && !result_.stopped; ++look) {
+    iterate();
+    if (result_.stopped || !look_again()) break;
+  }
+  finish();
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began;
   result_.seconds = elapsed.count();
   return std::move(result_);
 }
 
-void AutoScaler::finish(const VectorXd& theta) {
-  result_.factors = parameters_.scale_factors(model_, theta);
-  const CompiledSamples compiled(parameters_.apply(model_, theta), samples_);
+void AutoScaler::finish() {
+  result_.factors = parameters_.scale_factors(model_, theta_);
+  result_.size = std::exp(theta_[0]);
+  const CompiledSamples compiled(parameters_.apply(model_, theta_), samples_);
   result_.markers = compiled.model.markers;
   result_.cost = F_;
   result_.rms_after = rms(compiled, frames_);
-  linearize(compiled, theta);
-  describe(theta);
-  VectorXd scaled_only = theta;
-  scaled_only.tail(theta.size() - parameters_.factor_count()).setZero();
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const auto count = std::count_if(frames_.begin(), frames_.end(),
+                                     [&](const Frame& frame) { return frame.sample == s; });
+    result_.trials.push_back(
+        {static_cast<int>(count), samples_[s].poses, rms(compiled, frames_, s)});
+  }
+  linearize(compiled, theta_);
+  describe();
+  name_limits();
+  VectorXd scaled_only = theta_;
+  scaled_only.tail(theta_.size() - 1 - parameters_.factor_count()).setZero();
   const CompiledSamples unmoved(parameters_.apply(model_, scaled_only), samples_);
   fit_poses(unmoved, frames_);
   result_.rms_scaled = rms(unmoved, frames_);
 }
 
-void AutoScaler::describe(const VectorXd& theta) {
+void AutoScaler::describe() {
   const auto n = static_cast<Eigen::Index>(parameters_.count());
-  const VectorXd variance = (N_ + precision_).ldlt().solve(MatrixXd::Identity(n, n)).diagonal();
-  for (int i = 0; i < parameters_.factor_count(); ++i) {
+  const int k = parameters_.factor_count();
+  const MatrixXd covariance = (N_ + precision_).ldlt().solve(MatrixXd::Identity(n, n));
+  const MatrixXd prior_of_factors =
+      parameters_.prior_covariance_of_factors.llt().solve(MatrixXd::Identity(k, k));
+  const auto held = [&](Eigen::Index i) {
+    return theta_[i] <= parameters_.lower[i] || theta_[i] >= parameters_.upper[i];
+  };
+  for (int i = 0; i < k; ++i) {
     const AutoScaleParameters::Factor& factor = parameters_.factors[static_cast<std::size_t>(i)];
+    const int at = AutoScaleParameters::deviation_of(i);
     ScaleEstimate estimate;
     estimate.name = factor.name;
     estimate.bodies = factor.bodies;
     estimate.axis = factor.axis;
-    estimate.factor = std::exp(theta[i]);
+    estimate.factor = std::exp(parameters_.log_factor(theta_, i));
     estimate.prior_sd = std::sqrt(parameters_.prior_covariance_of_factors(i, i));
-    estimate.open_sd = 1.0 / std::sqrt(precision_(i, i));
-    estimate.posterior_sd = std::sqrt(variance[i]);
+    estimate.open_sd = 1.0 / std::sqrt(prior_of_factors(i, i));
+    estimate.posterior_sd =
+        std::sqrt(covariance(0, 0) + 2.0 * covariance(0, at) + covariance(at, at));
     estimate.determinate = estimate.posterior_sd < 0.5 * estimate.open_sd;
+    estimate.at_limit = held(at);
     result_.estimates.push_back(std::move(estimate));
   }
   for (std::size_t i = 0; i < parameters_.free_markers.size(); ++i) {
     const int at = parameters_.offset_of(i);
-    result_.offsets.push_back(
-        {parameters_.free_markers[i], theta.segment<3>(at), variance.segment<3>(at).cwiseSqrt()});
+    result_.offsets.push_back({parameters_.free_markers[i], theta_.segment<3>(at),
+                               covariance.diagonal().segment<3>(at).cwiseSqrt(),
+                               held(at) || held(at + 1) || held(at + 2)});
+  }
+}
+
+void AutoScaler::name_limits() {
+  const SizeLimits& limits = options_.limits;
+  std::vector<VerdictReason>& reasons = result_.reasons;
+  if (theta_[0] <= parameters_.lower[0] || theta_[0] >= parameters_.upper[0]) {
+    reasons.push_back(whole_size_reason(result_.size, limits));
+  }
+  for (const ScaleEstimate& estimate : result_.estimates) {
+    if (!estimate.at_limit) continue;
+    const std::string& body = model_.bodies[static_cast<std::size_t>(estimate.bodies[0])].name;
+    reasons.push_back(
+        segment_size_reason(body, estimate.axis, estimate.factor / result_.size, limits));
+  }
+  const auto& technical = options_.technical_markers;
+  for (const MarkerOffset& offset : result_.offsets) {
+    if (!offset.at_limit) continue;
+    const std::string& name = model_.markers[static_cast<std::size_t>(offset.marker)].name;
+    reasons.push_back(moved_marker_reason(
+        name, offset.offset.cwiseAbs().maxCoeff(),
+        std::find(technical.begin(), technical.end(), name) != technical.end(), limits));
   }
 }
 
@@ -351,6 +442,7 @@ void AutoScaler::describe(const VectorXd& theta) {
 void AutoScaleOptions::validate() const {
   minimizer.validate();
   cold_start.validate();
+  limits.validate();
   const auto require = [](bool good, const char* field, double value, const char* bound) {
     if (good) return;
     throw std::invalid_argument(

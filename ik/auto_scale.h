@@ -8,7 +8,9 @@
 
 #include "data/marker_trajectories.h"
 #include "ik/cold_start.h"
+#include "data/verdict_reason.h"
 #include "ik/minimizer_options.h"
+#include "ik/size_limits.h"
 #include "model/musculoskeletal_model.h"
 #include "model/scaling.h"
 
@@ -52,10 +54,13 @@ struct AutoScaleOptions {
   // shoulder girdles that share a turn among many. Without it a spine buckles to make a trunk fit.
   double posture_sd = 0.05;
   // Soft tissue moves with the gait cycle, not at random: the frames of a trial together weigh no
-  // more than this many independent ones.
+  // more than this many independent ones, nor than it has poses that differ. A static trial has
+  // one.
   double independent_frames = 10.0;
+  // What people are at most; the fit stays within.
+  SizeLimits limits;
 
-  int frames = 40;                 // of a trial, evenly spread; more cost time and tell little more
+  int frames = 40;                 // of a trial, spread over its movement; more tell little more
   int max_iterations = 100;        // of the outer loop
   double tolerance = 1e-6;         // it ends when no factor changes by more than this fraction …
   double offset_tolerance = 1e-7;  // … and no marker by more than this [m]
@@ -82,6 +87,7 @@ struct ScaleEstimate {
   double prior_sd = kNaN, posterior_sd = kNaN, open_sd = kNaN;
   // The markers say it themselves: posterior_sd < open_sd / 2. Else it follows from the others.
   bool determinate = false;
+  bool at_limit = false;  // options.limits hold it
 };
 
 /// Where a marker sits, other than the model's author put it.
@@ -89,38 +95,55 @@ struct MarkerOffset {
   int marker = -1;                                   // index
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // after scaling, in the body's axes [m]
   Eigen::Vector3d posterior_sd{kNaN, kNaN, kNaN};    // [m]
+  bool at_limit = false;                             // options.limits hold it
+};
+
+/// How well the model meets one of the trials.
+struct AutoScaleTrialFit {
+  int frames = 0;
+  double poses = kNaN;  // that differ, and so how many independent frames it counts as
+  double rms = kNaN;    // of the markers in the frames used [m]
 };
 
 struct AutoScaleResult {
   ScaleFactors factors;
+  double size = kNaN;  // factor of the whole body, about which those of the segments vary
   std::vector<ScaleEstimate> estimates;
   std::vector<MarkerOffset> offsets;  // of the tracked markers that are not fixed
   std::vector<Marker> markers;        // of the model, scaled and moved
   double rms_before = kNaN;  // of the markers in the frames used, with the model as it was …
   double rms_scaled = kNaN;  // … with the factors, markers where the model has them …
   double rms_after = kNaN;   // … and with both [m]
-  double cost = kNaN;        // −log of the posterior density, up to a constant
+  std::vector<AutoScaleTrialFit> trials;
+  double cost = kNaN;  // −log of the posterior density, up to a constant
   int frames = 0, iterations = 0;
   bool converged = false, stopped = false;
   double seconds = kNaN;
   std::vector<Warning> warnings;
+  std::vector<VerdictReason> reasons;  // `size-limit` and `moved-marker`: what limits hold
 
   explicit AutoScaleResult(const MusculoskeletalModel& model) : factors(model) {}
 };
 
 /// Fits the size of each segment, where each marker sits on it, and the pose of each frame to
-/// recordings of a subject. With θ the logarithms of the factors and the offsets of the markers,
-/// and q_f the pose of frame f, it minimizes
+/// recordings of a subject. With θ the logarithm of the body's size, those of the factors over it
+/// and the offsets of the markers, and q_f the pose of frame f, it minimizes
 ///
 ///     F(θ) = w/2 Σ_f min_q ( Σ_m |p^d_fm − p_m(q, θ)|²/σ² + Σ_c (q_c − q0_c)²/s² ) + ½ θᵀ P⁻¹ θ
 ///
-/// where P is the covariance of the priors, σ = marker_sd, s = posture_sd, c the joint angles that
-/// the markers leave open, and w = independent_frames over the frames of the trial if these are
-/// more. The poses are eliminated (variable projection; Golub &
+/// within lower ≤ θ ≤ upper (options.limits), where P is the covariance of the priors, σ =
+/// marker_sd, s = posture_sd, c the joint angles that the markers leave open, and w the independent
+/// frames of a trial over its frames. The poses are eliminated (variable projection; Golub &
 /// Pereyra 1973, SIAM J Numer Anal 10:413-432): with J_q and J_θ the Jacobians of the markers of a
 /// frame, its part of the curvature is J_θᵀ (E − J_q J_q⁺) J_θ, and its gradient, q being at the
-/// minimum, J_θᵀ r. Gauss-Newton steps are halved until F falls. The inverse of the curvature is
-/// the posterior covariance. Markers that are not measured drop out.
+/// minimum, J_θᵀ r. Each Gauss-Newton step is the minimum of its quadratic form within the limits,
+/// halved until F falls. The inverse of the curvature is the posterior covariance. Markers that are
+/// not measured drop out.
+///
+/// It starts from sizes that distances between markers tell, whatever the pose
+/// (ik/distance_sizes.h), and from the poses of a model of these sizes, so that a subject of any
+/// size may stand, sit or hold the arms as he likes. Where it ends, poses are looked for anew; if
+/// any lies lower, it goes on.
 ///
 /// Positions at a given pose are linear in the factors (scale_geometry()), so that J_θ is exact.
 /// Throws InputError if no marker of the model is measured, std::invalid_argument for options out

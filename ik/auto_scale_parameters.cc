@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -127,14 +128,39 @@ Eigen::MatrixXd factor_covariance(const std::vector<AutoScaleParameters::Factor>
   return C;
 }
 
+// Priors and limits of everything, the offsets' by whether a marker marks a landmark.
+void set_offsets(const MusculoskeletalModel& model, const AutoScaleOptions& options,
+                 AutoScaleParameters& parameters) {
+  const SizeLimits& limits = options.limits;
+  parameters.prior_precision_of_offsets.resize(
+      3 * static_cast<Eigen::Index>(parameters.free_markers.size()));
+  parameters.upper.setConstant(parameters.count(), std::log(limits.largest_ratio));
+  parameters.lower.setConstant(parameters.count(), std::log(limits.smallest_ratio));
+  parameters.lower[0] = std::log(limits.smallest_size);
+  parameters.upper[0] = std::log(limits.largest_size);
+  const auto& technical = options.technical_markers;
+  for (std::size_t i = 0; i < parameters.free_markers.size(); ++i) {
+    const std::string& name =
+        model.markers[static_cast<std::size_t>(parameters.free_markers[i])].name;
+    const bool anatomical = std::find(technical.begin(), technical.end(), name) == technical.end();
+    const double sd = anatomical ? options.marker_offset_sd : options.technical_marker_sd;
+    const double farthest = anatomical ? limits.marker_offset : limits.technical_marker_offset;
+    parameters.prior_precision_of_offsets.segment<3>(3 * static_cast<Eigen::Index>(i))
+        .setConstant(1.0 / (sd * sd));
+    parameters.upper.segment<3>(parameters.offset_of(i)).setConstant(farthest);
+    parameters.lower.segment<3>(parameters.offset_of(i)).setConstant(-farthest);
+  }
+}
+
 }  // namespace
 
 Eigen::MatrixXd AutoScaleParameters::prior_precision() const {
   Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(count(), count());
   const int k = factor_count();
-  precision.topLeftCorner(k, k) =
-      prior_covariance_of_factors.llt().solve(Eigen::MatrixXd::Identity(k, k));
-  precision.diagonal().tail(count() - k) = prior_precision_of_offsets;
+  const Eigen::MatrixXd deviations = (prior_covariance_of_factors.array() - size_sd * size_sd);
+  precision(0, 0) = 1.0 / (size_sd * size_sd);
+  precision.block(1, 1, k, k) = deviations.llt().solve(Eigen::MatrixXd::Identity(k, k));
+  precision.diagonal().tail(count() - 1 - k) = prior_precision_of_offsets;
   return precision;
 }
 
@@ -146,9 +172,9 @@ ScaleFactors AutoScaleParameters::scale_factors(const MusculoskeletalModel& mode
     for (const int b : factor.bodies) {
       Eigen::Vector3d& f = scale.of_body[static_cast<std::size_t>(b)];
       if (factor.axis < 0) {
-        f.setConstant(std::exp(theta[i]));
+        f.setConstant(std::exp(log_factor(theta, i)));
       } else {
-        f[factor.axis] = std::exp(theta[i]);
+        f[factor.axis] = std::exp(log_factor(theta, i));
       }
     }
   }
@@ -174,22 +200,12 @@ AutoScaleParameters choose_parameters(const MusculoskeletalModel& model,
   join_unmarked(model, tracked, groups);
   AutoScaleParameters parameters;
   parameters.factors = make_factors(model, groups, options.axes);
+  parameters.size_sd = options.size_sd;
   parameters.prior_covariance_of_factors = factor_covariance(parameters.factors, options);
   for (const int m : tracked) {
     if (!model.markers[static_cast<std::size_t>(m)].fixed) parameters.free_markers.push_back(m);
   }
-  parameters.prior_precision_of_offsets.resize(
-      3 * static_cast<Eigen::Index>(parameters.free_markers.size()));
-  for (std::size_t i = 0; i < parameters.free_markers.size(); ++i) {
-    const std::string& name =
-        model.markers[static_cast<std::size_t>(parameters.free_markers[i])].name;
-    const auto& technical = options.technical_markers;
-    const double sd = std::find(technical.begin(), technical.end(), name) == technical.end()
-                          ? options.marker_offset_sd
-                          : options.technical_marker_sd;
-    parameters.prior_precision_of_offsets.segment<3>(3 * static_cast<Eigen::Index>(i))
-        .setConstant(1.0 / (sd * sd));
-  }
+  set_offsets(model, options, parameters);
   return parameters;
 }
 

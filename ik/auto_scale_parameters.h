@@ -9,8 +9,9 @@
 
 namespace sinew {
 
-/// The unknowns θ of auto_scale(): first the logarithm of every factor, then the offset of every
-/// free marker, x, y, z.
+/// The unknowns θ of auto_scale(): first the logarithm of the body's size; then, for every factor,
+/// its logarithm less that of the size; then the offset of every free marker, x, y, z. A box holds
+/// them.
 struct AutoScaleParameters {
   struct Factor {
     std::string name;
@@ -20,14 +21,20 @@ struct AutoScaleParameters {
   };
 
   std::vector<Factor> factors;
-  std::vector<int> free_markers;  // indices into MusculoskeletalModel::markers
-  Eigen::MatrixXd prior_covariance_of_factors;
+  std::vector<int> free_markers;                // indices into MusculoskeletalModel::markers
+  double size_sd = 0.0;                         // prior, of θ's first
+  Eigen::MatrixXd prior_covariance_of_factors;  // of their logarithms, the size's part in it
   Eigen::VectorXd prior_precision_of_offsets;
+  Eigen::VectorXd lower, upper;  // of θ
 
   int factor_count() const { return static_cast<int>(factors.size()); }
-  int count() const { return factor_count() + 3 * static_cast<int>(free_markers.size()); }
+  int count() const { return 1 + factor_count() + 3 * static_cast<int>(free_markers.size()); }
+  static int deviation_of(int factor) { return 1 + factor; }
   int offset_of(std::size_t free_marker) const {
-    return factor_count() + 3 * static_cast<int>(free_marker);
+    return 1 + factor_count() + 3 * static_cast<int>(free_marker);
+  }
+  double log_factor(const Eigen::VectorXd& theta, int factor) const {
+    return theta[0] + theta[deviation_of(factor)];
   }
 
   /// P⁻¹ of the header's equation.

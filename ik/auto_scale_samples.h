@@ -12,10 +12,16 @@ namespace sinew {
 struct FrameSample {
   MarkerFile file;
   double weight = 0.0;  // w/σ² of every frame [1/m²]
+  double poses = 1.0;   // that differ among them: the independent frames
   IkTaskSet tasks;  // its markers, and the posture of what they leave open; empty: markers alone
 };
 
-/// Evenly spread frames of a trial, options.frames at most.
+/// Frames of a trial, options.frames at most, evenly spread over its movement rather than over
+/// time: how far the distances between its markers have changed, summed from frame to frame. Who
+/// stands for a while counts there as often as he moves, and a gait cycle counts more in swing than
+/// in stance. What is quicker than people are counts as if it were not: markers that exchange
+/// names. Of a trial in which nothing moves beyond the noise frames are evenly spread over time.
+/// O(frames · markers).
 FrameSample take_frames(const AutoScaleTrial& trial, const AutoScaleOptions& options);
 
 /// A model compiled and bound to all samples.

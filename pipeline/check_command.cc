@@ -20,12 +20,13 @@ namespace {
 
 struct CheckCommand {
   std::vector<std::string> files;
-  std::string model, json, events;
+  std::string model, static_trial, json, events;
   double threshold = 20.0;  // [N]
 
   int run() {
     InputFiles inputs;
     for (const std::string& file : files) inputs.emplace_back("input", file);
+    inputs.emplace_back("static", static_trial);
     inputs.emplace_back("model", model);
     check_outputs({json, events}, inputs);
     PreflightFiles read;
@@ -35,7 +36,9 @@ struct CheckCommand {
       read.read(files[i]);
       progress(static_cast<int>(i) + 1, static_cast<int>(files.size()));
     }
+    if (!static_trial.empty()) read.read(static_trial);
     PreflightInputs preflight = read.inputs();
+    if (!static_trial.empty()) preflight.standing = find_recording(preflight, static_trial);
     preflight.threshold = threshold;
     std::vector<Finding> findings = read.findings();
     for (Finding& finding : run_preflight(preflight)) findings.push_back(std::move(finding));
@@ -43,6 +46,13 @@ struct CheckCommand {
     if (!json.empty()) write(read, preflight, findings);
     if (!events.empty()) write_events(preflight);
     return count(findings).errors > 0 ? kExitFailed : kExitOk;
+  }
+
+  static int find_recording(const PreflightInputs& inputs, const std::string& path) {
+    for (std::size_t i = inputs.recordings.size(); i-- > 0;) {
+      if (inputs.recordings[i].path == path) return static_cast<int>(i);
+    }
+    return -1;  // cannot be read, which is a finding already
   }
 
   void print(const PreflightFiles& read, const std::vector<Finding>& findings) const {
@@ -117,6 +127,9 @@ void add_check_command(CLI::App& app, int& exit_code) {
                   fmt::format("{}, .osim or .xml files", kRecordingFormats))
       ->required();
   sub->add_option("--model", command->model, "Model (.osim) that the markers are held against");
+  sub->add_option("--static", command->static_trial,
+                  "The trial in which the subject stands, held against the others: whether it is "
+                  "static, and of the same person");
   sub->add_option("--json", command->json, "Write all findings to this file, for programs");
   sub->add_option("--events", command->events,
                   "Write heel strikes and toe offs, by forces, the file and markers, to this file "

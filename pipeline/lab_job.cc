@@ -8,7 +8,9 @@
 #include "data/carried_mass.h"
 #include "data/input_file.h"
 #include "data/marker_matching.h"
+#include "data/mass_unit.h"
 #include "data/output_file.h"
+#include "data/static_trial.h"
 #include "data/trc_file.h"
 #include "model/whole_body.h"
 #include "pipeline/command.h"
@@ -73,6 +75,7 @@ class Preparation {
     write_trc(folder_ / kMarkers, markers);
     settle_motion(markers);
     assign_loads(walk, markers);
+    check_mass_unit();
     write_setups();
     return std::move(job_);
   }
@@ -137,9 +140,20 @@ class Preparation {
       standing = MarkerFile{trial.file.path, name(trial, "static ", generic.model), {}};
       plates = trial.plates;
       write_trc(folder_ / kStatic, standing->markers);
+      note(options_.static_trial, static_trial_reasons(standing->markers, markers));
     }
-    model_ = settle_model(generic, walking, standing ? &*standing : nullptr, plates, entered_,
-                          options_, job_.ik.threads, folder_ / kModel, log_, warnings_);
+    SettledModel settled =
+        settle_model(generic, walking, standing ? &*standing : nullptr, plates, entered_, options_,
+                     job_.ik.threads, folder_ / kModel, log_, warnings_);
+    note(options_.static_trial.empty() ? options_.c3d : options_.static_trial, settled.reasons);
+    if (settled.fit && settled.fit->trials.size() == 2) {
+      note(options_.static_trial,
+           static_against_walk_reasons(settled.fit->trials[0].rms, settled.fit->trials[1].rms));
+    }
+    model_ = std::move(settled.model);
+    job_.fit = std::move(settled.fit);
+    entered_mass_ = settled.mass;
+    standing_mass_ = standing_mass(plates);
     job_.ik.model = (folder_ / kModel).string();
   }
 
@@ -195,7 +209,25 @@ class Preparation {
     job_.dynamics.loads = (folder_ / kLoads).string();
     job_.coverage = load_coverage(markers, assignment, walk.plates);
     write_file_atomically(folder_ / kCoverage, load_coverage_csv(*job_.coverage, markers.time));
-    compare_mass(stride_mass(assignment, *job_.coverage, markers.time, walk.plates));
+    stride_mass_ = stride_mass(assignment, *job_.coverage, markers.time, walk.plates);
+    compare_mass(stride_mass_);
+  }
+
+  // In pounds, or newtons?
+  void check_mass_unit() {
+    if (!entered_mass_) return;
+    MassEvidence evidence{standing_mass_, entered_.height};
+    if (stride_mass_) evidence.carried = stride_mass_->mass;
+    if (options_.height) evidence.height = options_.height;
+    note(options_.c3d, mass_unit_reasons(*entered_mass_, evidence));
+  }
+
+  // Until a verdict names them all, they are warnings as well.
+  void note(const std::string& file, const std::vector<VerdictReason>& reasons) {
+    for (const VerdictReason& reason : reasons) {
+      report(warnings_, {{{file}, fmt::format("{}; {}", reason.text, reason.remedy)}});
+      job_.reasons.push_back(reason);
+    }
   }
 
   void compare_mass(const std::optional<StrideMass>& carried) {
@@ -246,6 +278,8 @@ class Preparation {
   std::vector<Warning>& warnings_;
   double threshold_ = kThreshold;
   SubjectParameters entered_;
+  std::optional<double> entered_mass_, standing_mass_;  // [kg]
+  std::optional<StrideMass> stride_mass_;
   MusculoskeletalModel model_;
   LabJob job_;
 };

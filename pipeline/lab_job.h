@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "data/load_coverage.h"
+#include "data/verdict_reason.h"
+#include "ik/auto_scale.h"
 #include "pipeline/decisions.h"
 #include "pipeline/id_options.h"
 #include "pipeline/ik_options.h"
@@ -18,6 +20,8 @@ struct LabJob {
   IdOptions dynamics;
   InputFiles inputs;                     // the laboratory's own
   std::optional<LoadCoverage> coverage;  // by frame of the markers; none where nothing tells
+  std::vector<VerdictReason> reasons;    // of the static trial, the mass and the fit of sizes
+  std::optional<AutoScaleResult> fit;    // of the model to static trial and walk
 };
 
 /// Files that prepare_lab() writes into the results' folder, for check_outputs().

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "data/carried_mass.h"
@@ -27,11 +28,16 @@ void set_mass(const ScaledModel& scaled, const std::optional<double>& mass) {
 std::string quality(const AutoScaleResult& fit) {
   int determinate = 0;
   for (const ScaleEstimate& estimate : fit.estimates) determinate += estimate.determinate ? 1 : 0;
-  return fmt::format(
+  std::string text = fmt::format(
       "scale factors: {} of {} follow from the markers, the others from what people are like; "
       "marker RMS {:.1f} mm before, {:.1f} mm scaled, {:.1f} mm with markers moved",
       determinate, fit.estimates.size(), 1e3 * fit.rms_before, 1e3 * fit.rms_scaled,
       1e3 * fit.rms_after);
+  if (fit.trials.size() == 2) {
+    text += fmt::format(" ({:.1f} mm in the static trial, {:.1f} mm in the walk)",
+                        1e3 * fit.trials[0].rms, 1e3 * fit.trials[1].rms);
+  }
+  return text;
 }
 
 Decision mass_decision(const std::vector<ForcePlatformRecording>& standing_plates,
@@ -63,8 +69,8 @@ Decision scaling_decision(const GenericModel& generic, bool standing, const LabO
     decision.found = "setup";
     decision.why = "a ScaleTool setup was given";
   } else if (standing) {
-    decision.found = "static";
-    decision.why = "segments and marker places are fitted to the static trial";
+    decision.found = "both";
+    decision.why = "segments and marker places are fitted to the static trial and the walk";
   } else if (generic.built_in) {
     decision.found = "walk";
     decision.why = "there is no static trial; segments are fitted to the walk";
@@ -90,10 +96,13 @@ ScaledModel scale_by_setup(const GenericModel& generic, const MarkerFile* standi
 }
 
 std::vector<std::string> settle_technical(const MusculoskeletalModel& model,
-                                          const MarkerTrajectories& markers, DecisionLog& log) {
+                                          const std::vector<MarkerFile>& trials, DecisionLog& log) {
   std::vector<std::string> tracked;
-  for (const std::string& name : markers.names) {
-    if (model.find_marker(name) >= 0) tracked.push_back(name);
+  for (const MarkerFile& trial : trials) {
+    for (const std::string& name : trial.markers.names) {
+      const bool known = std::find(tracked.begin(), tracked.end(), name) != tracked.end();
+      if (!known && model.find_marker(name) >= 0) tracked.push_back(name);
+    }
   }
   return log.settle_texts({"technical markers",
                            {},
@@ -104,17 +113,17 @@ std::vector<std::string> settle_technical(const MusculoskeletalModel& model,
                            "--technical"});
 }
 
-ScaledModel scale_by_markers(const GenericModel& generic, const MarkerFile& recording,
+ScaledModel scale_by_markers(const GenericModel& generic, std::vector<MarkerFile> trials,
                              const std::optional<double>& mass, int threads, DecisionLog& log) {
   AutoScaleJob job;
   job.model_file = generic.file;
   job.mass = mass;
-  job.trials = {recording};
+  job.trials = std::move(trials);
   // More would only take longer: together they weigh no more than so many independent ones.
   job.options.frames = static_cast<int>(job.options.independent_frames);
   job.options.threads = threads;
   job.options.name_unmatched = false;
-  job.technical = settle_technical(generic.model, recording.markers, log);
+  job.technical = settle_technical(generic.model, job.trials, log);
   job.options.progress = progress_bar("scaling", "steps at most");
   ScaledModel scaled = run_auto_scale(job);
   if (scaled.automatic && scaled.automatic->stopped) {
@@ -154,6 +163,20 @@ WholeBodyOptions settle_body(WholeBodyOptions body, const SubjectParameters& ent
   return body;
 }
 
+// What the way of scaling needs.
+void require_inputs(const std::string& by, const MarkerFile* standing, const LabOptions& options) {
+  if ((by == "static" || by == "both") && standing == nullptr) {
+    throw std::invalid_argument("scaling by the static trial needs --static FILE");
+  }
+  if (by == "setup" && options.scale_setup.empty()) {
+    throw std::invalid_argument("scaling by a setup needs --scale-setup FILE.xml");
+  }
+  if (by != "static" && by != "walk" && by != "both" && by != "setup") {
+    throw std::invalid_argument(
+        fmt::format("scaling is '{}'; expected both, static, walk, setup, mass or none", by));
+  }
+}
+
 }  // namespace
 
 GenericModel generic_model(const std::string& name, const SubjectParameters& entered,
@@ -184,12 +207,12 @@ GenericModel generic_model(const std::string& name, const SubjectParameters& ent
   return generic;
 }
 
-MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile& walk,
-                                  const MarkerFile* standing,
-                                  const std::vector<ForcePlatformRecording>& standing_plates,
-                                  const SubjectParameters& entered, const LabOptions& options,
-                                  int threads, const std::filesystem::path& file, DecisionLog& log,
-                                  std::vector<Warning>& warnings) {
+SettledModel settle_model(const GenericModel& generic, const MarkerFile& walk,
+                          const MarkerFile* standing,
+                          const std::vector<ForcePlatformRecording>& standing_plates,
+                          const SubjectParameters& entered, const LabOptions& options, int threads,
+                          const std::filesystem::path& file, DecisionLog& log,
+                          std::vector<Warning>& warnings) {
   std::optional<double> mass;
   const nlohmann::ordered_json settled =
       log.settle(mass_decision(standing_plates, entered, options));
@@ -199,32 +222,25 @@ MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile&
       log.settle_text(scaling_decision(generic, standing != nullptr, options, mass.has_value()));
   if (by == "none") {
     write_file_atomically(file, read_file(generic.file));
-    return read_osim(file);
+    return {read_osim(file), mass, {}, {}};
   }
   if (by == "mass") {
     if (!mass) throw std::invalid_argument("scaling by mass needs --mass");
     write_file_atomically(file, scale_by_mass(generic, *mass, warnings));
-    return read_osim(file);
+    return {read_osim(file), mass, {}, {}};
   }
-  if (by == "static" && standing == nullptr) {
-    throw std::invalid_argument("scaling by the static trial needs --static FILE");
-  }
-  if (by == "setup" && options.scale_setup.empty()) {
-    throw std::invalid_argument("scaling by a setup needs --scale-setup FILE.xml");
-  }
-  if (by != "static" && by != "walk" && by != "setup") {
-    throw std::invalid_argument(
-        fmt::format("scaling is '{}'; expected setup, static, walk, mass or none", by));
-  }
-  const ScaledModel scaled =
-      by == "setup"
-          ? scale_by_setup(generic, standing, mass, options)
-          : scale_by_markers(generic, by == "walk" ? walk : *standing, mass, threads, log);
+  require_inputs(by, standing, options);
+  std::vector<MarkerFile> trials;
+  if (by != "walk" && standing != nullptr) trials.push_back(*standing);
+  if (by != "static") trials.push_back(walk);
+  ScaledModel scaled = by == "setup"
+                           ? scale_by_setup(generic, standing, mass, options)
+                           : scale_by_markers(generic, std::move(trials), mass, threads, log);
   report(warnings, scaled.warnings);
   set_mass(scaled, mass);
   if (scaled.automatic) fmt::print("{}\n", quality(*scaled.automatic));
   write_file_atomically(file, scaled.document.to_string());
-  return read_osim(file);
+  return {read_osim(file), mass, std::move(scaled.automatic), std::move(scaled.reasons)};
 }
 
 }  // namespace sinew

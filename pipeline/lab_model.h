@@ -7,6 +7,8 @@
 #include "data/force_platform.h"
 #include "data/marker_trajectories.h"
 #include "data/subject_parameters.h"
+#include "data/verdict_reason.h"
+#include "ik/auto_scale.h"
 #include "model/musculoskeletal_model.h"
 #include "pipeline/decisions.h"
 #include "pipeline/lab_options.h"
@@ -27,15 +29,23 @@ GenericModel generic_model(const std::string& name, const SubjectParameters& ent
                            const LabOptions& options, const std::filesystem::path& folder,
                            DecisionLog& log);
 
+/// The subject's model, and how it was made.
+struct SettledModel {
+  MusculoskeletalModel model;          // as it is read back from its file
+  std::optional<double> mass;          // that was settled [kg]; none: the model's own
+  std::optional<AutoScaleResult> fit;  // where markers were fitted
+  std::vector<VerdictReason> reasons;  // of sizes and markers at their limits
+};
+
 /// Scales the generic model to the subject and writes `file`: by an OpenSim setup, by the static
-/// trial, by the walk, by the mass alone, or not at all, as is settled. `standing` may be null;
-/// both recordings have the model's marker names; `entered` is what the trial's file says. Returns
-/// the model as it is read back.
-MusculoskeletalModel settle_model(const GenericModel& generic, const MarkerFile& walk,
-                                  const MarkerFile* standing,
-                                  const std::vector<ForcePlatformRecording>& standing_plates,
-                                  const SubjectParameters& entered, const LabOptions& options,
-                                  int threads, const std::filesystem::path& file, DecisionLog& log,
-                                  std::vector<Warning>& warnings);
+/// trial and the walk, by one of them, by the mass alone, or not at all, as is settled. `standing`
+/// may be null; both recordings have the model's marker names; `entered` is what the trial's file
+/// says.
+SettledModel settle_model(const GenericModel& generic, const MarkerFile& walk,
+                          const MarkerFile* standing,
+                          const std::vector<ForcePlatformRecording>& standing_plates,
+                          const SubjectParameters& entered, const LabOptions& options, int threads,
+                          const std::filesystem::path& file, DecisionLog& log,
+                          std::vector<Warning>& warnings);
 
 }  // namespace sinew

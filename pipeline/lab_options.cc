@@ -95,7 +95,7 @@ void LabOptions::add_to(CLI::App& command) {
                      "OpenSim ScaleTool setup to scale the model by (.xml)");
   command
       .add_option("--scale", scale,
-                  "What the model is scaled by: static, walk, mass alone, setup or none")
+                  "What the model is scaled by: both, static, walk, mass alone, setup or none")
       ->check(CLI::IsMember({"static", "walk", "mass", "setup", "none"}));
   command.add_flag("--no-scale", no_scale, "Take the model as it is");
   command.add_option("--technical", technical,

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <iterator>
 
+#include "data/carried_mass.h"
 #include "data/force_signal.h"
 #include "data/gait_events.h"
 #include "data/laboratory_axes.h"
+#include "data/mass_unit.h"
 #include "data/preflight_forces.h"
 #include "data/preflight_gaps.h"
 #include "data/preflight_markers.h"
@@ -18,6 +20,8 @@
 #include "data/preflight_swaps.h"
 #include "data/preflight_timing.h"
 #include "data/preflight_units.h"
+#include "data/static_trial.h"
+#include "data/subject_parameters.h"
 #include "model/marker_fit.h"
 #include "pipeline/laboratory.h"
 
@@ -243,6 +247,39 @@ const PreflightRecording* partner_of(std::size_t index,
   return nullptr;
 }
 
+void add_reasons(std::vector<Finding>& findings, const std::string& file,
+                 const std::vector<VerdictReason>& reasons) {
+  for (const VerdictReason& reason : reasons) {
+    findings.push_back(finding_of(reason));
+    findings.back().file = file;
+  }
+}
+
+// The static trial beside the others, and the mass that files say beside what platforms carry.
+std::vector<Finding> check_subject(const PreflightInputs& inputs) {
+  std::vector<Finding> findings;
+  const PreflightRecording* standing =
+      inputs.standing < 0 ? nullptr
+                          : &inputs.recordings.at(static_cast<std::size_t>(inputs.standing));
+  MassEvidence evidence;
+  if (standing && standing->c3d) {
+    evidence.carried =
+        standing_mass(compute_forces(*standing->c3d, {.threshold = inputs.threshold}).recordings);
+  }
+  for (const PreflightRecording& recording : inputs.recordings) {
+    if (standing && &recording != standing && recording.markers && standing->markers) {
+      add_reasons(findings, standing->path,
+                  static_trial_reasons(*standing->markers, *recording.markers));
+    }
+    if (!recording.c3d) continue;
+    const SubjectParameters entered = subject_parameters(*recording.c3d);
+    evidence.height = entered.height;
+    if (!entered.mass) continue;
+    add_reasons(findings, recording.path, mass_unit_reasons(*entered.mass, evidence));
+  }
+  return findings;
+}
+
 }  // namespace
 
 PreflightRecording preflight_recording(const C3dFile& file) {
@@ -285,6 +322,7 @@ std::vector<Finding> run_preflight(const PreflightInputs& inputs) {
     const PreflightRecording* partner = partner_of(i, inputs.recordings);
     append(findings, Check(inputs.recordings[i], partner, inputs).run());
   }
+  append(findings, check_subject(inputs));
   return findings;
 }
 

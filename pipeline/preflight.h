@@ -32,6 +32,7 @@ PreflightRecording preflight_recording(const TimeTableFile& file);
 
 struct PreflightInputs {
   std::vector<PreflightRecording> recordings;
+  int standing = -1;  // index of the static trial that the others are scaled by; −1: none is known
   const MusculoskeletalModel* model = nullptr;
   std::string model_path;
   // Below this a platform carries nothing [N].

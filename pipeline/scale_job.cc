@@ -77,7 +77,7 @@ void place_in_document(const ScaleJob& job, ScaledModel& scaled) {
 ScaledModel start(OsimDocument document, const std::filesystem::path& marker_set) {
   if (!marker_set.empty()) document.merge_markers(marker_set);
   const ScaleFactors ones(document.model());
-  ScaledModel scaled{std::move(document), {}, kNaN, {}, ones, {}, {}, {}, {}};
+  ScaledModel scaled{std::move(document), {}, kNaN, {}, ones, {}, {}, {}, {}, {}};
   scaled.mass_before = scaled.document.model().total_mass();
   scaled.bodies = body_names(scaled.document.model());
   append(scaled.warnings, scaled.document.model().warnings);
@@ -152,6 +152,7 @@ ScaledModel run_scale(const ScaleJob& job) {
   if (!job.setup.name.empty()) scaled.document.rename(job.setup.name);
   if (job.setup.scaler.apply) scale_document(job, scaled);
   scaled.scaled_only = scaled.document.to_string();
+  scaled.reasons = size_reasons(scaled.document.model(), scaled.factors, {});
   if (job.setup.placer.apply) place_in_document(job, scaled);
   return scaled;
 }
@@ -170,6 +171,7 @@ ScaledModel run_auto_scale(const AutoScaleJob& job) {
   options.technical_markers = technical_in(job, scaled.document.model());
   scaled.automatic = auto_scale(scaled.document.model(), trials, options);
   append(scaled.warnings, scaled.automatic->warnings);
+  scaled.reasons = scaled.automatic->reasons;
   scaled.factors = scaled.automatic->factors;
   append(scaled.warnings,
          scaled.document.scale(scaled.factors, {job.mass, job.preserve_mass_distribution}));

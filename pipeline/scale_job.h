@@ -50,6 +50,7 @@ struct ScaledModel {
   std::optional<MarkerPlacementResult> placement;
   std::optional<AutoScaleResult> automatic;
   std::vector<Warning> warnings;
+  std::vector<VerdictReason> reasons;  // sizes and markers at or beyond SizeLimits
 };
 
 /// Whether a measurement applies, so that the scaler needs its marker_file.

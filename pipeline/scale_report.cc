@@ -62,7 +62,13 @@ std::string automatic_text(const ScaledModel& scaled) {
   for (const ScaleEstimate& e : a.estimates) {
     text += fmt::format("{:<24} {:8.4f} {:9.2f} {:9.2f} {:9.2f}  {}\n", e.name, e.factor,
                         1e2 * e.prior_sd, 1e2 * e.open_sd, 1e2 * e.posterior_sd,
-                        e.determinate ? "measured" : "follows from the others");
+                        e.at_limit      ? "at the limit of what people are"
+                        : e.determinate ? "measured"
+                                        : "follows from the others");
+  }
+  for (const AutoScaleTrialFit& trial : a.trials) {
+    text += fmt::format("trial of {} frames, {} poses that differ: marker RMS {:.2f} mm\n",
+                        trial.frames, trial.poses, 1e3 * trial.rms);
   }
   return text + fmt::format(
                     "{} frames, {} iterations{}, marker RMS {:.2f} mm unscaled, {:.2f} mm scaled, "
@@ -101,7 +107,7 @@ Json placement_json(const MarkerPlacementResult& p) {
 
 Json automatic_json(const ScaledModel& scaled) {
   const AutoScaleResult& a = *scaled.automatic;
-  Json factors = Json::array(), offsets = Json::array();
+  Json factors = Json::array(), offsets = Json::array(), trials = Json::array();
   for (const ScaleEstimate& e : a.estimates) {
     Json bodies = Json::array();
     for (const int b : e.bodies) bodies.push_back(scaled.bodies[static_cast<std::size_t>(b)]);
@@ -111,13 +117,19 @@ Json automatic_json(const ScaledModel& scaled) {
                        {"prior_sd", e.prior_sd},
                        {"rest_known_sd", e.open_sd},
                        {"posterior_sd", e.posterior_sd},
-                       {"determinate", e.determinate}});
+                       {"determinate", e.determinate},
+                       {"at_limit", e.at_limit}});
   }
   for (const MarkerOffset& o : a.offsets) {
     offsets.push_back(
         {{"marker", a.markers[static_cast<std::size_t>(o.marker)].name},
          {"offset_m", {o.offset[0], o.offset[1], o.offset[2]}},
-         {"posterior_sd_m", {o.posterior_sd[0], o.posterior_sd[1], o.posterior_sd[2]}}});
+         {"posterior_sd_m", {o.posterior_sd[0], o.posterior_sd[1], o.posterior_sd[2]}},
+         {"at_limit", o.at_limit}});
+  }
+  for (const AutoScaleTrialFit& trial : a.trials) {
+    trials.push_back(
+        {{"frames", trial.frames}, {"poses", trial.poses}, {"marker_rms_m", number(trial.rms)}});
   }
   return {{"converged", a.converged},
           {"iterations", a.iterations},
@@ -126,6 +138,8 @@ Json automatic_json(const ScaledModel& scaled) {
           {"marker_rms_unscaled_m", a.rms_before},
           {"marker_rms_scaled_m", a.rms_scaled},
           {"marker_rms_m", a.rms_after},
+          {"size", a.size},
+          {"trials", trials},
           {"factors", factors},
           {"marker_offsets", offsets}};
 }

@@ -206,7 +206,7 @@ TEST(AutoScaleParameters, TieSidesAndUnmarkedBodies) {
   EXPECT_EQ(groups,
             "pelvis: pelvis torso\nfemur_r: femur_r femur_l\ntibia_r: tibia_r tibia_l\n"
             "talus_r: talus_r calcn_r toes_r talus_l calcn_l toes_l\n");
-  EXPECT_EQ(parameters.count(), 4 + 3 * 6);
+  EXPECT_EQ(parameters.count(), 1 + 4 + 3 * 6);
   const Eigen::MatrixXd& C = parameters.prior_covariance_of_factors;
   EXPECT_DOUBLE_EQ(C(0, 1), 0.15 * 0.15);
   EXPECT_DOUBLE_EQ(C(0, 0), 0.15 * 0.15 + 0.05 * 0.05);

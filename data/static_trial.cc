@@ -1,0 +1,225 @@
+#include "data/static_trial.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "data/statistics.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kStandingSway = 0.03;  // [m]
+constexpr double kMovingSway = 0.06;    // [m], above which nobody only stands
+constexpr double kLeastStretch = 0.25;  // [s], over which noise averages out
+constexpr int kLooks = 400;             // frames that movement is looked at in
+constexpr int kFrames = 200;            // and distances
+constexpr double kApart = 0.15;         // [m]
+constexpr double kKept = 0.01;          // [m]
+constexpr int kLeastPairs = 6;          // fewer agree or differ by chance
+constexpr double kOneSubject = 0.01;    // [m]
+
+// RMS over the markers that are in both of how far they are from `middle`; NaN if none is.
+double distance_from(const MarkerTrajectories& markers, int frame,
+                     const Eigen::RowVectorXd& middle) {
+  double sum = 0.0;
+  int count = 0;
+  for (int m = 0; m < markers.marker_count(); ++m) {
+    const double d = (markers.p_WM.row(frame) - middle).segment<3>(3 * m).squaredNorm();
+    if (!std::isfinite(d)) continue;
+    sum += d;
+    ++count;
+  }
+  return count == 0 ? std::nan("") : std::sqrt(sum / count);
+}
+
+// Middle positions over the frames.
+Eigen::RowVectorXd middle_of(const MarkerTrajectories& markers, const std::vector<int>& frames) {
+  Eigen::RowVectorXd middle(markers.p_WM.cols());
+  for (Eigen::Index c = 0; c < middle.size(); ++c) {
+    std::vector<double> values;
+    for (const int f : frames) {
+      if (std::isfinite(markers.p_WM(f, c))) values.push_back(markers.p_WM(f, c));
+    }
+    middle[c] = median(std::move(values));
+  }
+  return middle;
+}
+
+// The sway that 95 % of the frames stay below.
+double sway_of(const MarkerTrajectories& markers, const std::vector<int>& frames) {
+  const Eigen::RowVectorXd middle = middle_of(markers, frames);
+  std::vector<double> sway;
+  for (const int f : frames) {
+    const double d = distance_from(markers, f, middle);
+    if (std::isfinite(d)) sway.push_back(d);
+  }
+  if (sway.empty()) return std::nan("");
+  std::sort(sway.begin(), sway.end());
+  return sway[static_cast<std::size_t>(0.95 * static_cast<double>(sway.size() - 1))];
+}
+
+std::vector<int> every(int frames, int most) {
+  std::vector<int> chosen;
+  const int step = std::max(1, frames / most);
+  for (int f = 0; f < frames; f += step) chosen.push_back(f);
+  return chosen;
+}
+
+void find_stillest(const MarkerTrajectories& markers, const std::vector<int>& looks,
+                   TrialMovement& movement) {
+  const auto within = [&](std::size_t first, std::size_t end) {
+    return std::vector<int>(looks.begin() + static_cast<std::ptrdiff_t>(first),
+                            looks.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  const auto time = [&](std::size_t i) { return markers.time[looks[i]]; };
+  double least = kStandingSway;
+  std::size_t first = 0, end = 0;
+  for (std::size_t i = 0, j = 0; i < looks.size(); ++i) {
+    while (j < looks.size() && time(j) - time(i) < kLeastStretch) ++j;
+    if (j == looks.size()) break;
+    const double sway = sway_of(markers, within(i, j + 1));
+    if (!(sway < least)) continue;
+    least = sway;
+    first = i;
+    end = j + 1;
+  }
+  if (end == 0) return;
+  while (end < looks.size() && sway_of(markers, within(first, end + 1)) < kStandingSway) ++end;
+  while (first > 0 && sway_of(markers, within(first - 1, end)) < kStandingSway) --first;
+  movement.still_from = time(first);
+  movement.still_to = time(end - 1);
+}
+
+std::vector<double> distances(const MarkerTrajectories& markers, int a, int b) {
+  std::vector<double> all;
+  for (const int f : every(markers.frame_count(), kFrames)) {
+    const double d = (markers.position(f, a) - markers.position(f, b)).norm();
+    if (std::isfinite(d)) all.push_back(d);
+  }
+  return all;
+}
+
+double standard_deviation(const std::vector<double>& values) {
+  double sum = 0.0, squares = 0.0;
+  for (const double v : values) sum += v;
+  const double mean = sum / static_cast<double>(values.size());
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+VerdictReason reason(const char* code, VerdictReason::Weight weight, double figure, double limit,
+                     std::string text, std::string remedy) {
+  VerdictReason made;
+  made.code = code;
+  made.weight = weight;
+  made.figure = 1e3 * figure;
+  made.limit = 1e3 * limit;
+  made.unit = "mm";
+  made.text = std::move(text);
+  made.source = "Sinew";
+  made.remedy = std::move(remedy);
+  return made;
+}
+
+}  // namespace
+
+TrialMovement trial_movement(const MarkerTrajectories& markers) {
+  TrialMovement movement;
+  const std::vector<int> looks = every(markers.frame_count(), kLooks);
+  movement.sway = sway_of(markers, looks);
+  find_stillest(markers, looks, movement);
+  return movement;
+}
+
+bool stands_still(const TrialMovement& movement) { return movement.sway <= kStandingSway; }
+
+SegmentAgreement compare_segments(const MarkerTrajectories& standing,
+                                  const MarkerTrajectories& moving) {
+  std::vector<double> differences;
+  for (int i = 0; i < standing.marker_count(); ++i) {
+    const int a = moving.find_marker(standing.names[static_cast<std::size_t>(i)]);
+    for (int j = i + 1; a >= 0 && j < standing.marker_count(); ++j) {
+      const int b = moving.find_marker(standing.names[static_cast<std::size_t>(j)]);
+      if (b < 0) continue;
+      const std::vector<double> then = distances(moving, a, b), now = distances(standing, i, j);
+      constexpr std::size_t kEnough = 10;  // frames, to tell whether a distance is kept
+      if (then.size() < kEnough || now.empty() || standard_deviation(then) > kKept) continue;
+      const double middle = median(then);
+      if (middle >= kApart) differences.push_back(std::abs(median(now) - middle));
+    }
+  }
+  SegmentAgreement agreement;
+  agreement.pairs = static_cast<int>(differences.size());
+  if (differences.empty()) return agreement;
+  std::sort(differences.begin(), differences.end());
+  agreement.difference = differences[differences.size() / 4];
+  return agreement;
+}
+
+std::vector<VerdictReason> static_trial_reasons(const MarkerTrajectories& standing,
+                                                const MarkerTrajectories& moving) {
+  using Weight = VerdictReason::Weight;
+  std::vector<VerdictReason> reasons;
+  const TrialMovement first = trial_movement(standing), second = trial_movement(moving);
+  const bool stands = stands_still(second);
+  if (first.sway > kMovingSway && stands) {
+    reasons.push_back(reason(
+        "trials-exchanged", Weight::kUnusable, first.sway, kStandingSway,
+        fmt::format("the two trials seem exchanged: the subject moves by {:.0f} mm in the static "
+                    "trial and by {:.0f} mm in the other",
+                    1e3 * first.sway, 1e3 * second.sway),
+        "give the trial that moves as --c3d and the one that stands as --static"));
+  } else if (first.sway > kStandingSway) {
+    const bool still = std::isfinite(first.still_from);
+    reasons.push_back(reason(
+        "static-moves", Weight::kRemark, first.sway, kStandingSway,
+        fmt::format("the subject moves by {:.0f} mm in the static trial", 1e3 * first.sway),
+        still ? fmt::format("--scale walk leaves it out; it is still from {} s to {} s, which "
+                            "`sinew convert --from {} --to {}` cuts out",
+                            time_text(first.still_from), time_text(first.still_to),
+                            time_text(first.still_from), time_text(first.still_to))
+              : "--scale walk leaves it out"));
+  }
+  // Nothing tells which distances are a segment's where nothing moves.
+  if (stands) return reasons;
+  const SegmentAgreement agreement = compare_segments(standing, moving);
+  if (agreement.pairs >= kLeastPairs && agreement.difference > kOneSubject) {
+    reasons.push_back(
+        reason("other-person", Weight::kUnusable, agreement.difference, kOneSubject,
+               fmt::format("the static trial seems to be of another person, or its markers sat "
+                           "elsewhere: three quarters of {} distances within segments differ by "
+                           "{:.0f} mm or more",
+                           agreement.pairs, 1e3 * agreement.difference),
+               "give the subject's own static trial, or --scale walk to leave it out"));
+  }
+  return reasons;
+}
+
+std::vector<VerdictReason> static_against_walk_reasons(double static_rms, double walk_rms) {
+  constexpr double kSoftTissue = 0.01;  // [m]
+  if (!(walk_rms - static_rms > kSoftTissue)) return {};
+  return {
+      reason("static-rms", VerdictReason::Weight::kRemark, walk_rms - static_rms, kSoftTissue,
+             fmt::format("markers are met to {:.1f} mm RMS in the static trial but to {:.1f} mm "
+                         "in the walk",
+                         1e3 * static_rms, 1e3 * walk_rms),
+             "--scale both fits sizes and markers to both trials")};
+}
+
+Finding finding_of(const VerdictReason& reason) {
+  Finding finding;
+  finding.severity = reason.weight == VerdictReason::Weight::kUnusable
+                         ? Finding::Severity::kError
+                         : Finding::Severity::kWarning;
+  finding.kind = reason.code;
+  std::replace(finding.kind.begin(), finding.kind.end(), '-', ' ');
+  finding.text = reason.text;
+  finding.confidence = 0.9;
+  finding.advice = reason.remedy;
+  return finding;
+}
+
+}  // namespace sinew

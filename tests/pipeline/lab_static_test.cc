@@ -1,0 +1,112 @@
+// A laboratory's static trial: what is fitted to it, and what can be wrong with it.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "data/c3d_reader.h"
+#include "data/c3d_writer.h"
+#include "data/storage_file.h"
+#include "tests/pipeline/command_line.h"
+#include "tests/pipeline/lab_trial.h"
+
+namespace sinew {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Arguments = std::vector<std::string>;
+
+class LabStatic : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
+  static void TearDownTestSuite() {
+    delete trial_;
+    trial_ = nullptr;
+  }
+  const fs::path& path() const { return trial_->path(); }
+
+  // The walk in a generic body of 1.65 m, from 0.5 s to 0.8 s.
+  Outcome run(const std::string& walk, const std::string& standing, const std::string& out,
+              const Arguments& more = {}) const {
+    Arguments all = {"run",    "--c3d", walk,   "--static", standing, "--model", "other.osim",
+                     "--from", "0.5",   "--to", "0.8",      "--out",  out};
+    all.insert(all.end(), more.begin(), more.end());
+    return run_sinew(path(), all);
+  }
+  // Kinds of the findings of the static trial.
+  std::string kinds(const Arguments& files) const {
+    Arguments all = {"check"};
+    all.insert(all.end(), files.begin(), files.end());
+    all.insert(all.end(), {"--json", "found.json"});
+    const Outcome outcome = run_sinew(path(), all);
+    EXPECT_NE(outcome.exit_code, 2) << outcome.err;
+    std::string kinds;
+    for (const Json& finding : Json::parse(content_of(path() / "found.json"))["findings"]) {
+      const std::string kind = finding["kind"];
+      for (const char* known : {"static moves", "trials exchanged", "other person", "mass unit"}) {
+        if (kind == known) kinds += kind + ";";
+      }
+    }
+    return kinds;
+  }
+
+  static LabTrialFiles* trial_;
+};
+
+LabTrialFiles* LabStatic::trial_ = nullptr;
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(LabStatic, SizesAreFittedToItAndTheWalk) {
+  const Outcome outcome = run("walk.c3d", "static.c3d", "both", {"--mass", "75"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out,
+                    "scaling: both (segments and marker places are fitted to the static trial and "
+                    "the walk) [--scale]"))
+      << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, " mm in the static trial, ")) << outcome.out;
+  for (const char* wrong : {"seems", "sits", "lets expect"}) {
+    EXPECT_FALSE(holds(outcome.err, wrong)) << outcome.err;
+  }
+  const Json summary = Json::parse(content_of(path() / "both/summary.json"));
+  EXPECT_LT(summary["inverse_kinematics"]["marker_rms_m"].get<double>(), 0.003);
+  // Knees as the body that walked.
+  const TimeTable ours = read_storage(path() / "both/ik.mot").table,
+                  truth = read_storage(path() / "truth_ik.mot").table;
+  for (const char* name : {"knee_angle_r", "knee_angle_l"}) {
+    const auto at = [&](const TimeTable& table, double time) {
+      Eigen::Index row = 0;
+      (table.time.array() - time).abs().minCoeff(&row);
+      return table.values(row, table.find_column(name));
+    };
+    EXPECT_NEAR(at(ours, 0.8) - at(ours, 0.5), at(truth, 0.8) - at(truth, 0.5), 2.0) << name;
+  }
+}
+
+TEST_F(LabStatic, ExchangedTrialsAndPoundsAreNamed) {
+  const Outcome outcome = run("static.c3d", "walk.c3d", "exchanged", {"--scale", "none"});
+  EXPECT_TRUE(holds(outcome.err, "the two trials seem exchanged: the subject moves by "))
+      << outcome.err;
+  const Outcome pounds =
+      run("walk.c3d", "static.c3d", "pounds", {"--scale", "mass", "--mass", "165.3"});
+  EXPECT_TRUE(holds(pounds.err, "the mass of 165.3 kg seems to be in pounds: the platforms carry "))
+      << pounds.err;
+  EXPECT_TRUE(holds(pounds.err, "; --mass 75.0")) << pounds.err;
+}
+
+TEST_F(LabStatic, CheckHoldsItAgainstTheWalk) {
+  EXPECT_EQ(kinds({"walk.c3d", "--static", "static.c3d"}), "");
+  EXPECT_EQ(kinds({"static.c3d", "--static", "walk.c3d"}), "trials exchanged;");
+  EXPECT_EQ(kinds({"walk.c3d", "static.c3d"}), "");
+  C3dFile other = read_c3d(path() / "static.c3d");
+  other.markers.p_WM *= 1.1;
+  write_c3d(path() / "other.c3d", other);
+  EXPECT_EQ(kinds({"walk.c3d", "--static", "other.c3d"}), "other person;");
+}
+
+}  // namespace
+}  // namespace sinew
