@@ -8,6 +8,7 @@
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
+#include "pipeline/undetermined.h"
 #include "pipeline/wire_report.h"
 
 namespace sinew {
@@ -43,7 +44,10 @@ struct IkCommand {
     report(warnings, job.warnings);
     const std::optional<TrackingResult> result = solve_ik(job);
     if (!result) return kExitFailed;
-    write_storage(output, coordinate_motion(job.model, *result));
+    const std::vector<VerdictReason> reasons = coverage_reasons(job, *result);
+    TimeTable motion = coordinate_motion(job.model, *result);
+    set_undetermined(undetermined_names(reasons), motion);
+    write_storage(output, motion);
     if (!options.trace.empty()) {
       write_file_atomically(options.trace, trace_csv(*result, job.options.first_frame));
     }
@@ -55,6 +59,7 @@ struct IkCommand {
                1e3 * result->seconds / static_cast<double>(result->frames.size()),
                1e3 * total_marker_rms(*result), output.string());
     report(warnings, frame_warnings(*result, job.recording.path));
+    report(warnings, as_warnings(reasons, job.recording.path));
     return unconverged_frames(*result) == 0 ? kExitOk : kExitFailed;
   }
 };
