@@ -113,7 +113,7 @@ class ClusterSearch {
     const Vector3d middle = from(Eigen::all, there).rowwise().mean();
     ClusterAttachment best;
     for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
-      if (poses_.determined[b] || !known_[b] || model_.bodies[b].virtual_link) continue;
+      if (!in_question(b)) continue;
       // The other thigh's hip turns about much the same axis, but is not where the cluster is.
       const double near =
           distance_from_bone(model_, static_cast<int>(b), X_WB_[b].inverse() * middle);
@@ -147,11 +147,15 @@ class ClusterSearch {
   }
 
  private:
-  // From a place in the static trial to the nearest body whose pose is known there.
+  bool in_question(std::size_t body) const {
+    return !poses_.determined[body] && known_[body] && !model_.bodies[body].virtual_link;
+  }
+
+  // From a place in the static trial to the nearest body in question.
   double nearest(const Vector3d& p_W) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
-      if (!known_[b] || model_.bodies[b].virtual_link) continue;
+      if (!in_question(b)) continue;
       least = std::min(least,
                        distance_from_bone(model_, static_cast<int>(b), X_WB_[b].inverse() * p_W));
     }
