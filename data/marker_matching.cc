@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -50,8 +50,14 @@ class Matcher {
       : recorded_(recorded),
         model_(model),
         path_(path),
+        recorded_sites_(marker_sites(recorded)),
+        model_sites_(marker_sites(model)),
         taken_recorded_(recorded.size(), false),
-        taken_model_(model.size(), false) {}
+        taken_model_(model.size(), false) {
+    for (std::size_t m = 0; m < model.size(); ++m) {
+      if (model_sites_[m].empty()) model_sites_[m] = joint_centre_site(model[m]);
+    }
+  }
 
   MarkerMatching match(const MarkerMap& map, const std::string& subject) {
     result_.subject = subject;
@@ -60,9 +66,9 @@ class Matcher {
     }
     const std::vector<bool> others = taken_recorded_;
     for (const auto& [from, to] : map) apply(from, to);
-    pair_by(MatchKind::kSame, without_subject, [](const std::string& name) { return name; });
-    pair_by(MatchKind::kSpelling, spelling_of, spelling_of);
-    pair_by(MatchKind::kSite, marker_site, marker_site);
+    pair_by(MatchKind::kSame, keys_of(recorded_, without_subject), model_);
+    pair_by(MatchKind::kSpelling, keys_of(recorded_, spelling_of), keys_of(model_, spelling_of));
+    pair_by(MatchKind::kSite, recorded_sites_, model_sites_);
     std::sort(result_.matches.begin(), result_.matches.end(),
               [](const MarkerMatch& a, const MarkerMatch& b) { return a.recorded < b.recorded; });
     std::vector<bool> used = others;
@@ -114,23 +120,38 @@ class Matcher {
     result_.matches.push_back({static_cast<int>(recorded), static_cast<int>(model), kind});
   }
 
-  template <typename OfRecorded, typename OfModel>
-  void pair_by(MatchKind kind, const OfRecorded& of_recorded, const OfModel& of_model) {
+  template <typename Key>
+  static std::vector<std::string> keys_of(const std::vector<std::string>& names, const Key& key) {
+    std::vector<std::string> keys;
+    std::transform(names.begin(), names.end(), std::back_inserter(keys), key);
+    return keys;
+  }
+
+  // A key point RKnee is no epicondyle R.Knee.
+  bool contradict(std::size_t recorded, std::size_t model) const {
+    return !recorded_sites_[recorded].empty() && !model_sites_[model].empty() &&
+           recorded_sites_[recorded] != model_sites_[model];
+  }
+
+  void pair_by(MatchKind kind, const std::vector<std::string>& recorded_keys,
+               const std::vector<std::string>& model_keys) {
     std::map<std::string, std::size_t> models;
     for (std::size_t m = 0; m < model_.size(); ++m) {
-      const std::string key = of_model(model_[m]);
-      if (!taken_model_[m] && !key.empty()) models.emplace(key, m);
+      if (!taken_model_[m] && !model_keys[m].empty()) models.emplace(model_keys[m], m);
     }
     for (std::size_t i = 0; i < recorded_.size(); ++i) {
       if (taken_recorded_[i]) continue;
-      const auto found = models.find(of_recorded(recorded_[i]));
-      if (found != models.end() && !taken_model_[found->second]) take(i, found->second, kind);
+      const auto found = models.find(recorded_keys[i]);
+      if (found == models.end() || taken_model_[found->second]) continue;
+      if (kind == MatchKind::kSpelling && contradict(i, found->second)) continue;
+      take(i, found->second, kind);
     }
   }
 
   const std::vector<std::string>& recorded_;
   const std::vector<std::string>& model_;
   const std::string& path_;
+  std::vector<std::string> recorded_sites_, model_sites_;
   std::vector<bool> taken_recorded_, taken_model_;
   MarkerMatching result_;
 };

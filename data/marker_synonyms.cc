@@ -3,67 +3,49 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string_view>
 
 #include "data/marker_names.h"
+#include "data/marker_sets.h"
 #include "data/text.h"
 
 namespace sinew {
 namespace {
 
-struct Site {
-  const char* site;
-  const char* names;  // without side, separators and case
-};
+using Index = std::map<std::string, std::string, std::less<>>;  // letters → site
 
-// Of a side, and below of neither. The first name is the one of the built-in whole body.
-constexpr Site kSides[] = {
-    {"asi", "asi asis asip iasis"},
-    {"psi", "psi psis ipsis"},
-    {"sho", "sho shoulder should acromium acromion acr ac acrom shouldertop"},
-    {"elb", "elb elbow elblat elbowlat lle lel hle lhe"},
-    {"elm", "elm elbmed elbowmed elbowmedial mle mel hme mhe melb medelb"},
-    {"wra", "wra faradius wristrad wristmed rsp rad radius wristthumb"},
-    {"wrb", "wrb faulna wristuln wristlat usp uln ulna wristpinky"},
-    {"fin", "fin finger mc2 hm2"},
-    {"gtr", "gtr trc troch trochanter greatertrochanter ftc gt"},
-    {"kne", "kne knee kneelat kneelateral lfc lkn fle lek lateralknee latknee lfe lknee"},
-    {"knm", "knm kneemed kneemedial mfc mkn fme mek kmed medknee mkne kneem mfe mknee"},
-    {"hfb", "hfb fibulahead headfibula fah fhead hof"},
-    {"ttc", "ttc ttub tuberosity tibialtuberosity tub"},
-    {"ank", "ank ankle anklelat anklelateral lmal lma fal mall latankle lankle latmall llmal lam"},
-    {"med", "med anklemed anklemedial mmal mma tam medankle ankm mank mankle mmall medmall mam"},
-    {"hee", "hee heel cal calc calcaneus fcc"},
-    {"toe", "toe to mt2 met2 2mt smh mth2 toemid"},
-    {"mt5", "mt5 met5 5mt toelat vmh mth5 fifthmet"},
-    {"mt1", "mt1 met1 1mt toemed fmh mth1 firstmet"},
-    {"hlx", "hlx hallux bigtoe"},
-    {"fhd", "fhd headfront fronthead"},
-    {"bhd", "bhd headback backhead"},
-};
-constexpr Site kMidline[] = {
-    {"sacr", "sacr sacral sacrum vsac vsacral sac s2"},
-    {"c7", "c7 c7th cv7"},
-    {"t10", "t10 tv10 th10"},
-    {"clav", "clav jugular ij clavicle suprasternale sjn"},
-    {"strn", "strn xiphoid px xiph xiphoidprocess"},
-};
+// Of one set, or of all whose names hold always.
+struct SiteIndex {
+  Index sides, whole;  // letters without side; letters of the whole name
 
-// What names of wands and clusters on a limb begin with, without side, separators and case.
-constexpr const char* kTechnical[] = {
-    "thi", "thap", "thad", "thl",      "thr", "th1",     "th2", "th3",     "th4",
-    "tib", "tiap", "tiad", "sk1",      "sk2", "sk3",     "sk4", "shank",   "shk",
-    "sha", "leg",  "upa",  "upperarm", "frm", "forearm", "bak", "cluster", "wand"};
-
-std::map<std::string, std::string, std::less<>> index_of(const auto& sites) {
-  std::map<std::string, std::string, std::less<>> index;
-  for (const Site& site : sites) {
-    std::istringstream names(site.names);
-    for (std::string name; names >> name;) index.emplace(name, site.site);
+  void add(const MarkerSet& set) {
+    for (const MarkerSetRow& row : set.sides) {
+      std::istringstream names(row.names);
+      for (std::string name; names >> name;) add_side(name, row.site);
+    }
+    for (const MarkerSetRow& row : set.midline) {
+      std::istringstream names(row.names);
+      for (std::string name; names >> name;) whole.emplace(name, std::string(":") + row.site);
+    }
   }
-  return index;
-}
+
+  std::string site_of(const std::string& name) const;
+
+ private:
+  void add_side(const std::string& name, const std::string& site) {
+    const std::size_t star = name.find('*');
+    if (star == name.npos) {
+      sides.emplace(name, site);
+      return;
+    }
+    for (const char* side : {"r", "l"}) {
+      std::string letters = name;
+      whole.emplace(letters.replace(star, 1, side), std::string(side) + ":" + site);
+    }
+  }
+};
 
 // Separators say nothing: R.Knee.Lat, R_Knee_Lat, `R knee lat`.
 std::string letters_of(std::string_view text) {
@@ -74,36 +56,16 @@ std::string letters_of(std::string_view text) {
   return text::lower(letters);
 }
 
-}  // namespace
-
-bool is_technical_marker(const std::string& name) {
-  if (!marker_site(name).empty()) return false;
+std::string without_subject(const std::string& name) {
   const std::size_t colon = name.rfind(':');
-  const std::string bare = colon == name.npos ? name : name.substr(colon + 1);
+  return colon == name.npos ? name : name.substr(colon + 1);
+}
+
+std::string SiteIndex::site_of(const std::string& name) const {
+  const std::string bare = without_subject(name);
+  const auto found_whole = whole.find(letters_of(bare));
+  if (found_whole != whole.end()) return found_whole->second;
   const MarkerName parsed = parse_marker_name(bare);
-  std::string letters = letters_of(parsed.side == Side::kNone ? bare : parsed.without_side);
-  if (parsed.side == Side::kNone) {
-    // `rshank1`; a name without a side is of no limb.
-    if (letters.empty() || (letters[0] != 'r' && letters[0] != 'l')) return false;
-    letters.erase(0, 1);
-  }
-  return std::any_of(std::begin(kTechnical), std::end(kTechnical),
-                     [&](const char* start) { return letters.starts_with(start); });
-}
-
-std::vector<std::string> technical_markers(const std::vector<std::string>& names) {
-  std::vector<std::string> technical;
-  std::copy_if(names.begin(), names.end(), std::back_inserter(technical), is_technical_marker);
-  return technical;
-}
-
-std::string marker_site(const std::string& name) {
-  static const auto sides = index_of(kSides), midline = index_of(kMidline);
-  const std::size_t colon = name.rfind(':');
-  const std::string bare = colon == name.npos ? name : name.substr(colon + 1);
-  const auto whole = midline.find(letters_of(bare));
-  if (whole != midline.end()) return ":" + whole->second;
-  MarkerName parsed = parse_marker_name(bare);
   if (parsed.side == Side::kNone) {
     // `rasi`, `l asis`: a name in lower case whose first letter makes a site of the rest.
     const std::string letters = letters_of(bare);
@@ -114,6 +76,83 @@ std::string marker_site(const std::string& name) {
   const auto found = sides.find(letters_of(parsed.without_side));
   if (found == sides.end()) return {};
   return (parsed.side == Side::kRight ? "r:" : "l:") + found->second;
+}
+
+const SiteIndex& common_index() {
+  static const SiteIndex index = [] {
+    SiteIndex all;
+    for (const MarkerSet& set : marker_sets()) {
+      if (set.least == 0) all.add(set);
+    }
+    return all;
+  }();
+  return index;
+}
+
+bool is_recorded(const MarkerSet& set, const std::vector<std::string>& names) {
+  std::istringstream words(set.only_together);
+  const std::set<std::string> wanted{std::istream_iterator<std::string>(words), {}};
+  std::set<std::string> found;
+  for (const std::string& name : names) {
+    const std::string bare = without_subject(name);
+    const MarkerName parsed = parse_marker_name(bare);
+    const std::string letters = letters_of(parsed.side == Side::kNone ? bare : parsed.without_side);
+    if (wanted.contains(letters)) found.insert(letters);
+  }
+  return static_cast<int>(found.size()) >= set.least;
+}
+
+}  // namespace
+
+bool is_technical_marker(const std::string& name) {
+  if (!marker_site(name).empty()) return false;
+  const std::string bare = without_subject(name);
+  const MarkerName parsed = parse_marker_name(bare);
+  std::string letters = letters_of(parsed.side == Side::kNone ? bare : parsed.without_side);
+  if (parsed.side == Side::kNone) {
+    // `rshank1`; a name without a side is of no limb.
+    if (letters.empty() || (letters[0] != 'r' && letters[0] != 'l')) return false;
+    letters.erase(0, 1);
+  }
+  const auto clusters = cluster_names();
+  return std::any_of(clusters.begin(), clusters.end(),
+                     [&](const char* start) { return letters.starts_with(start); });
+}
+
+std::vector<std::string> technical_markers(const std::vector<std::string>& names) {
+  std::vector<std::string> technical;
+  std::copy_if(names.begin(), names.end(), std::back_inserter(technical), is_technical_marker);
+  return technical;
+}
+
+std::string marker_site(const std::string& name) { return common_index().site_of(name); }
+
+std::vector<std::string> marker_sites(const std::vector<std::string>& names) {
+  std::vector<SiteIndex> recorded;
+  for (const MarkerSet& set : marker_sets()) {
+    if (set.least == 0 || !is_recorded(set, names)) continue;
+    recorded.emplace_back();
+    recorded.back().add(set);
+  }
+  std::vector<std::string> sites;
+  for (const std::string& name : names) {
+    std::string site;
+    for (const SiteIndex& index : recorded) {
+      if (site.empty()) site = index.site_of(name);
+    }
+    sites.push_back(site.empty() ? marker_site(name) : site);
+  }
+  return sites;
+}
+
+std::string joint_centre_site(const std::string& name) {
+  const MarkerName parsed = parse_marker_name(without_subject(name));
+  if (parsed.side == Side::kNone) return {};
+  const std::string letters = letters_of(parsed.without_side);
+  for (const char* centre : {"sjc", "ejc", "wjc", "hjc", "kjc", "ajc"}) {
+    if (letters == centre) return (parsed.side == Side::kRight ? "r:" : "l:") + letters;
+  }
+  return {};
 }
 
 }  // namespace sinew

@@ -52,6 +52,7 @@ class ModelCheck {
     for (const Coordinate& c : model_.coordinates) check_coordinate(c);
     for (const PathElement& path : model_.paths) check_path(path);
     for (const Marker& marker : model_.markers) check_marker(marker);
+    check_that_markers_move();
     const std::vector<ModelFinding> asymmetries = check_symmetry(model_, options_);
     findings_.insert(findings_.end(), asymmetries.begin(), asymmetries.end());
     std::stable_sort(
@@ -197,6 +198,25 @@ class ModelCheck {
     add(Severity::kWarning, "marker", marker.name, marker.source,
         fmt::format("is {:.0f} mm from anything else on '{}'", 1e3 * distance,
                     body_name(marker.body)));
+  }
+
+  bool moves(int body) const {
+    for (int b = body; b > 0; b = tree_.links[static_cast<std::size_t>(b)].parent) {
+      if (tree_.links[static_cast<std::size_t>(b)].v_count > 0) return true;
+    }
+    return false;
+  }
+
+  void check_that_markers_move() {
+    if (model_.markers.empty()) return;
+    const bool any = std::any_of(model_.markers.begin(), model_.markers.end(),
+                                 [&](const Marker& marker) { return moves(marker.body); });
+    if (any) return;
+    add(Severity::kError, "marker", model_.markers.front().name, model_.markers.front().source,
+        fmt::format(
+            "no marker is on a body that moves: all {} are on {}, so that no recording says "
+            "anything about a coordinate",
+            model_.markers.size(), body_name(model_.markers.front().body)));
   }
 
   // Unit vectors from the link along the paths on it, and the bodies that these lead to or over.

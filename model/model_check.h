@@ -50,7 +50,7 @@ struct ModelCheckOptions {
 /// | mass | bodies without mass that are no virtual links, inertias that no body has |
 /// | muscle | crosses no joint that moves |
 /// | natural length | shorter than the path in the default pose |
-/// | marker | far from its bone |
+/// | marker | far from its bone; none of all on a body that moves |
 ///
 /// `model` must have passed validate(). O(points²) of a bone.
 std::vector<ModelFinding> check_model(const MusculoskeletalModel& model,

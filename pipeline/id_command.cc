@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "data/storage_file.h"
 #include "data/tool_setup.h"
@@ -10,6 +11,7 @@
 #include "pipeline/ik_job.h"
 #include "pipeline/option_checks.h"
 #include "pipeline/output_check.h"
+#include "pipeline/undetermined.h"
 
 namespace sinew {
 namespace {
@@ -70,7 +72,9 @@ struct IdCommand {
     check_outputs({out}, inputs());
     const MusculoskeletalModel description = read_osim(model);
     report(warnings, description.warnings);
-    const CoordinateTable motion = coordinate_table(description, read_storage(coordinates));
+    const TimeTableFile motion_file = read_storage(coordinates);
+    const std::vector<std::string> undetermined = undetermined_in(motion_file.table);
+    const CoordinateTable motion = coordinate_table(description, motion_file);
     report(warnings, motion.warnings);
     IdJob job = prepare_id(description, dynamics, setup_cutoff, threads, warnings);
     check_outputs({out}, {{"load_data", job.load_data_file}});
@@ -79,9 +83,16 @@ struct IdCommand {
     report(warnings, of_range);
     job.options.from = motion.time[first];
     job.options.to = motion.time[end - 1];
-    const std::optional<InverseDynamicsResult> result = solve_id(description, motion, job);
+    std::optional<InverseDynamicsResult> result = solve_id(description, motion, job);
     if (!result) return kExitFailed;
     report(warnings, result->warnings);
+    if (!undetermined.empty()) {
+      report(warnings,
+             {{{coordinates},
+               fmt::format("no marker told {} of its columns: torques of {} cannot be used",
+                           undetermined.size(), fmt::join(undetermined, ", "))}});
+      mark_undetermined(undetermined, result->forces);
+    }
     write_storage(out, result->forces);
     fmt::print("{} frames, coordinates {}\n{}\n", result->forces.time.size(),
                filter_text(job.options.cutoff), out);

@@ -9,6 +9,7 @@
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
+#include "pipeline/undetermined.h"
 #include "pipeline/wire_report.h"
 
 namespace sinew {
@@ -44,7 +45,10 @@ struct IkCommand {
     report(warnings, job.warnings);
     const std::optional<TrackingResult> result = solve_ik(job);
     if (!result) return kExitFailed;
-    write_storage(output, coordinate_motion(job.model, *result));
+    const std::vector<VerdictReason> reasons = coverage_reasons(job, *result);
+    TimeTable motion = coordinate_motion(job.model, *result);
+    set_undetermined(undetermined_names(reasons), motion);
+    write_storage(output, motion);
     if (!options.trace.empty()) {
       write_file_atomically(options.trace, trace_csv(*result, job.options.first_frame));
     }
@@ -59,6 +63,7 @@ struct IkCommand {
     for (const VerdictReason& reason : angle_jumps(job.model, *result)) {
       report(warnings, {{{job.recording.path}, reason.text}});
     }
+    report(warnings, as_warnings(reasons, job.recording.path));
     return unconverged_frames(*result) == 0 ? kExitOk : kExitFailed;
   }
 };

@@ -11,10 +11,13 @@
 #include "data/mass_unit.h"
 #include "data/output_file.h"
 #include "data/static_trial.h"
+#include "data/storage_file.h"
 #include "data/trc_file.h"
+#include "model/osim_file.h"
 #include "model/whole_body.h"
 #include "pipeline/command.h"
 #include "pipeline/ground_reaction.h"
+#include "pipeline/lab_attach.h"
 #include "pipeline/lab_loads.h"
 #include "pipeline/lab_model.h"
 #include "pipeline/lab_motion.h"
@@ -38,6 +41,7 @@ constexpr double kMassTolerance = 0.03;
 
 constexpr const char* kModel = "model.osim";
 constexpr const char* kGeneric = "model_generic.osim";
+constexpr const char* kAttached = "attached_markers.xml";
 constexpr const char* kMarkers = "markers.trc";
 constexpr const char* kStatic = "static.trc";
 constexpr const char* kFilled = "filled.csv";
@@ -45,6 +49,7 @@ constexpr const char* kForces = "grf.mot";
 constexpr const char* kLoads = "grf.xml";
 constexpr const char* kCoverage = "load_coverage.csv";
 constexpr const char* kTasks = "ik_tasks.xml";
+constexpr const char* kPosture = "posture.mot";
 constexpr const char* kIkSetup = "ik_setup.xml";
 constexpr const char* kIdSetup = "id_setup.xml";
 
@@ -71,6 +76,7 @@ class Preparation {
     const GapFillResult filled =
         fill_lab_markers(markers, walk.file.path, generic.file, folder_ / kFilled, log_, warnings_);
     scale(generic, walk, well_filled(markers, filled));
+    attach(markers);
     filter_lab_markers(markers, walk.file.path, log_, warnings_);
     write_trc(folder_ / kMarkers, markers);
     settle_motion(markers);
@@ -141,6 +147,7 @@ class Preparation {
       plates = trial.plates;
       write_trc(folder_ / kStatic, standing->markers);
       note(options_.static_trial, static_trial_reasons(standing->markers, markers));
+      standing_ = standing->markers;
     }
     SettledModel settled =
         settle_model(generic, walking, standing ? &*standing : nullptr, plates, entered_, options_,
@@ -155,6 +162,13 @@ class Preparation {
     entered_mass_ = settled.mass;
     standing_mass_ = standing_mass(plates);
     job_.ik.model = (folder_ / kModel).string();
+  }
+
+  void attach(const MarkerTrajectories& markers) {
+    attach_lab_markers(
+        {&markers, standing_ ? &*standing_ : nullptr, folder_ / kModel, folder_ / kAttached},
+        options_, job_.ik.threads, log_);
+    model_ = read_osim(folder_ / kModel);
   }
 
   void settle_motion(const MarkerTrajectories& markers) {
@@ -174,9 +188,13 @@ class Preparation {
          "--filled-weight"},
         true);
     if (job_.ik.tasks.empty()) {
-      write_file_atomically(folder_ / kTasks,
-                            ik_tasks_document("lab", lab_tasks(markers, model_, log_)));
+      const LabTasks tasks = lab_tasks(markers, model_, job_.ik.threads, log_);
+      write_file_atomically(folder_ / kTasks, ik_tasks_document("lab", tasks.tasks));
       job_.ik.tasks = (folder_ / kTasks).string();
+      if (tasks.posture) {
+        write_storage(folder_ / kPosture, *tasks.posture);
+        job_.ik.coordinates = (folder_ / kPosture).string();
+      }
     }
     job_.dynamics.cutoff =
         log_.settle_number({"coordinate cutoff",
@@ -252,6 +270,12 @@ class Preparation {
     const fs::path tasks = job_.ik.tasks;
     ik.task_set.path =
         tasks == folder_ / kTasks ? kTasks : fs::absolute(tasks).lexically_normal().string();
+    const fs::path posture = job_.ik.coordinates;
+    if (posture == folder_ / kPosture) {
+      ik.coordinate_file = kPosture;
+    } else if (!posture.empty()) {
+      ik.coordinate_file = fs::absolute(posture).lexically_normal();
+    }
     ik.from = job_.ik.from;
     ik.to = job_.ik.to;
     ik.output_motion_file = "ik.mot";
@@ -281,6 +305,7 @@ class Preparation {
   std::optional<double> entered_mass_, standing_mass_;  // [kg]
   std::optional<StrideMass> stride_mass_;
   MusculoskeletalModel model_;
+  std::optional<MarkerTrajectories> standing_;
   LabJob job_;
 };
 
@@ -288,8 +313,8 @@ class Preparation {
 
 std::vector<fs::path> lab_outputs(const fs::path& folder) {
   std::vector<fs::path> outputs;
-  for (const char* name : {kModel, kGeneric, kMarkers, kStatic, kFilled, kForces, kLoads, kCoverage,
-                           kTasks, kIkSetup, kIdSetup, "decisions.json"}) {
+  for (const char* name : {kModel, kGeneric, kAttached, kMarkers, kStatic, kFilled, kForces, kLoads,
+                           kCoverage, kTasks, kPosture, kIkSetup, kIdSetup, "decisions.json"}) {
     outputs.push_back(folder / name);
   }
   outputs.push_back(contacts_path(folder / kForces));

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <stdexcept>
 
 #include "data/output_file.h"
 #include "data/text.h"
 #include "ik/auto_scale.h"
 #include "ik/tracking.h"
+#include "ik/upright_posture.h"
 #include "model/kinematic_tree.h"
 #include "pipeline/command.h"
 #include "pipeline/prepare_options.h"
@@ -161,31 +164,85 @@ std::pair<double, double> settle_range(const MarkerTrajectories& markers,
   return {from, to};
 }
 
-std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
-                              DecisionLog& log) {
-  std::vector<IkTask> tasks;  // of the markers first
-  const std::vector<int> tracked = tracked_markers(markers, model);
-  for (const int m : tracked) {
+std::vector<IkTask> marker_tasks(const MarkerTrajectories& markers,
+                                 const MusculoskeletalModel& model) {
+  std::vector<IkTask> tasks;
+  for (const int m : tracked_markers(markers, model)) {
     if (!markers.p_WM.col(3 * m).array().isFinite().any()) continue;
     IkTask task;
     task.name = markers.names[static_cast<std::size_t>(m)];
     tasks.push_back(task);
   }
+  return tasks;
+}
+
+std::vector<IkTask> posture_tasks(const MarkerTrajectories& markers,
+                                  const MusculoskeletalModel& model, double weight) {
   const KinematicTree tree = compile_tree(model);
   BindingOptions markers_only;
   markers_only.wires.use = WireOptions::Use::kNone;
   markers_only.wires.virtual_link_weight = 0.0;
+  markers_only.name_unmatched = false;
   const MarkerFile recording{"markers", markers, {}};
   const TrackingProblem tracking =
       bind_recording(model, tree, recording, nullptr, nullptr, markers_only);
   IkTargets targets(tracking.problem);
-  set_targets(tracking, markers, fullest_frame(markers, tracked), targets);
-  nlohmann::ordered_json free = nlohmann::ordered_json::array();
+  set_targets(tracking, markers, fullest_frame(markers, tracked_markers(markers, model)), targets);
+  const auto marker_weights = static_cast<double>(tracking.markers.size());  // 1 each
+  std::vector<IkTask> tasks;
   for (const int c : undetermined_coordinates(model, tree, tracking, targets, tree.default_q)) {
     const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
     if (model.bodies[static_cast<std::size_t>(coordinate.joint) + 1].virtual_link) continue;
-    free.push_back(coordinate.name);
+    IkTask task;
+    task.kind = IkTask::Kind::kCoordinate;
+    task.name = coordinate.name;
+    task.weight = weight / marker_weights;
+    tasks.push_back(task);
   }
+  return tasks;
+}
+
+double default_posture_weight() { return kPostureWeight; }
+
+namespace {
+
+// As tasks of a file; angles in degrees.
+TimeTable posture_table(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
+                        const UprightPosture& posture) {
+  TimeTable table;
+  table.name = "Coordinates";
+  table.in_degrees = true;
+  table.time = markers.time;
+  table.values = posture.values * (180.0 / std::numbers::pi);
+  for (const int c : posture.coordinates) {
+    table.labels.push_back(model.coordinates[static_cast<std::size_t>(c)].name);
+  }
+  return table;
+}
+
+bool settle_upright(const std::vector<Segment>& segments, DecisionLog& log) {
+  const std::string posture = log.settle_text(
+      {"posture",
+       {},
+       "upright",
+       fmt::format("{} {} no marker; people keep them upright", segments_in_words(segments),
+                   segments.size() == 1 ? "has" : "have"),
+       {},
+       "",
+       "--posture"});
+  if (posture == "upright" || posture == "default") return posture == "upright";
+  throw std::invalid_argument(
+      fmt::format("the decision 'posture' is '{}'; expected upright or default", posture));
+}
+
+}  // namespace
+
+LabTasks lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
+                   int threads, DecisionLog& log) {
+  LabTasks result;
+  std::vector<IkTask>& tasks = result.tasks;
+  tasks = marker_tasks(markers, model);
+  std::vector<IkTask> free = posture_tasks(markers, model, kPostureWeight);
   const double weight = log.settle_number(
       {"posture weight",
        {},
@@ -197,16 +254,26 @@ std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const Musculosk
        "",
        "--posture-weight"},
       true);
-  double marker_weights = 0.0;
-  for (const IkTask& task : tasks) marker_weights += task.weight;
-  for (const auto& name : free) {
-    IkTask task;
-    task.kind = IkTask::Kind::kCoordinate;
-    task.name = name.get<std::string>();
+  if (!(weight > 0.0)) return result;
+  const auto marker_weights = static_cast<double>(tasks.size());  // 1 each
+  for (IkTask& task : free) {
     task.weight = weight / marker_weights;
-    if (weight > 0.0) tasks.push_back(task);
+    tasks.push_back(task);
   }
-  return tasks;
+  TrackingOptions options;
+  options.threads = threads;
+  IkTaskSet set;
+  set.tasks = tasks;
+  const UprightPosture posture =
+      upright_posture(model, compile_tree(model), {"markers", markers, {}}, set, weight, options);
+  if (posture.empty() || !settle_upright(posture.segments, log)) return result;
+  result.posture = posture_table(model, markers, posture);
+  for (IkTask& task : tasks) {
+    if (task.kind == IkTask::Kind::kCoordinate && result.posture->find_column(task.name) >= 0) {
+      task.value_type = IkTask::ValueType::kFromFile;
+    }
+  }
+  return result;
 }
 
 }  // namespace sinew

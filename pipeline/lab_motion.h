@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "data/gap_filling.h"
 #include "data/marker_trajectories.h"
+#include "data/time_table.h"
 #include "data/tool_setup.h"
 #include "model/musculoskeletal_model.h"
 #include "pipeline/decisions.h"
@@ -36,11 +38,26 @@ void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, De
 std::pair<double, double> settle_range(const MarkerTrajectories& markers,
                                        const MusculoskeletalModel& model, DecisionLog& log);
 
-/// A task for every marker that model and recording share, with weight 1, and one for every
-/// coordinate that these leave undetermined, which draws it to its default. The posture weight
-/// stands beside a marker's, a task's beside the mean of the markers, so that it is divided by the
-/// sum of their weights: files of tasks mean the same to OpenSim.
-std::vector<IkTask> lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
-                              DecisionLog& log);
+/// A task with weight 1 for every marker that model and recording share.
+std::vector<IkTask> marker_tasks(const MarkerTrajectories& markers,
+                                 const MusculoskeletalModel& model);
+
+/// A task for every coordinate that these markers leave undetermined, which draws it to its
+/// default. `weight` [1/rad²] stands beside a marker's, a task's beside the mean of the markers, so
+/// that it is divided by the sum of their weights: files of tasks mean the same to OpenSim.
+std::vector<IkTask> posture_tasks(const MarkerTrajectories& markers,
+                                  const MusculoskeletalModel& model, double weight);
+double default_posture_weight();
+
+/// What inverse kinematics tracks: a task for every marker that model and recording share, with
+/// weight 1, and one for every coordinate that these leave undetermined. That draws it to its
+/// default, or in a trunk and a head without markers to where they are upright
+/// (ik/upright_posture.h), as is settled.
+struct LabTasks {
+  std::vector<IkTask> tasks;
+  std::optional<TimeTable> posture;  // for the tasks that take their values from a file [degrees]
+};
+LabTasks lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
+                   int threads, DecisionLog& log);
 
 }  // namespace sinew

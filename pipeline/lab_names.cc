@@ -84,7 +84,7 @@ void report_unmatched(const MarkerMatching& matching, const std::vector<std::str
       report(warnings, {{{path}, fmt::format("{} {}: {}", indices.size(), what, list)}});
     }
   };
-  tell(matching.unused, recorded, "recorded markers are not the model's and are not tracked");
+  tell(matching.unused, recorded, "recorded markers have no name that the model knows");
   tell(matching.missing, model, "markers of the model are not recorded");
 }
 

@@ -64,6 +64,7 @@ constexpr OptionDecision kDecisions[] = {{"--unit", "unit", Kind::kText},
                                          {"--cutoff", "coordinate cutoff", Kind::kNumber},
                                          {"--threshold", "threshold", Kind::kNumber},
                                          {"--posture-weight", "posture weight", Kind::kNumber},
+                                         {"--posture", "posture", Kind::kText},
                                          {"--from", "from", Kind::kNumber},
                                          {"--to", "to", Kind::kNumber}};
 
@@ -134,9 +135,22 @@ void LabOptions::add_to(CLI::App& command) {
                   "right, left or none; may be repeated")
       ->allow_extra_args(false);
   command
+      .add_option("--attach", attach,
+                  "Track a recorded marker that the model lacks on a body of the model: NAME=BODY; "
+                  "may be repeated")
+      ->allow_extra_args(false);
+  command.add_flag("--no-attach", no_attach,
+                   "Leave out markers that the model lacks, also if they keep their distances to a "
+                   "segment");
+  command
       .add_option("--posture-weight", posture_weight,
                   "Draws coordinates that the markers do not determine to their defaults [1/rad²]")
       ->check(zero_or_more());
+  command
+      .add_option("--posture", posture,
+                  "What a trunk and a head without markers do: upright, facing where the pelvis "
+                  "does, or default, which goes rigidly with the pelvis")
+      ->check(CLI::IsMember({"upright", "default"}));
   command.add_option("--decisions", decisions,
                      "Repeat the run that wrote this decisions.json, which may have been edited");
   const std::vector<CLI::Option*> options = command.get_options();

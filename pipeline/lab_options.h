@@ -18,7 +18,7 @@ namespace sinew {
 /// hold the model, tasks, time range, loads and the coordinates' filter.
 struct LabOptions {
   std::string c3d, static_trial, marker_set, map, scale_setup, decisions;
-  std::string scale, subject, technical, up, forward, sex;
+  std::string scale, subject, technical, up, forward, sex, posture;
   std::optional<double> height, mass;                 // [m, kg]
   std::optional<double> max_gap, threshold;           // [s, N]
   std::optional<double> marker_cutoff, force_cutoff;  // [Hz]; negative: none
@@ -26,7 +26,8 @@ struct LabOptions {
   std::optional<bool> fill_rigid;
   bool no_scale = false;
   EditOptions edit;  // of the walk; the unit of both trials
-  std::vector<std::string> assign;
+  std::vector<std::string> assign, attach;
+  bool no_attach = false;
   std::set<std::string> given_now;  // options of this command line, not of the run it repeats
 
   void add_to(CLI::App& command);

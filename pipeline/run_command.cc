@@ -19,6 +19,7 @@
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
+#include "pipeline/undetermined.h"
 #include "pipeline/version.h"
 #include "pipeline/wire_report.h"
 
@@ -129,6 +130,9 @@ struct RunCommand {
     for (const VerdictReason& reason : angle_jumps(job.model, *solved)) {
       report(warnings, {{{job.recording.path}, reason.text}});
     }
+    const std::vector<VerdictReason> reasons = coverage_reasons(job, *solved);
+    report(warnings, as_warnings(reasons, job.recording.path));
+    const std::vector<std::string> undetermined = undetermined_names(reasons);
     const auto id_start = std::chrono::steady_clock::now();
     std::optional<InverseDynamicsResult> torques =
         solve_id(job.model, coordinate_table(job.model, *solved), id_job);
@@ -149,9 +153,13 @@ struct RunCommand {
       summary["loads"] = coverage_summary(*lab_job->coverage, first, job.model, torques->forces);
       mark_coverage(*lab_job->coverage, first, torques->forces);
     }
+    mark_undetermined(undetermined, torques->forces);
+    summary["inverse_kinematics"]["undetermined"] = undetermined;
     summary["warnings"] = warning_summary(warnings);
     summary["seconds"] = seconds_since(start);
-    write_results(job, *solved, torques->forces, summary);
+    TimeTable motion = coordinate_motion(job.model, *solved);
+    set_undetermined(undetermined, motion);
+    write_results(job, *solved, motion, torques->forces, summary);
     if (lab_job) {
       write_decisions(std::filesystem::path(out) / "decisions.json", log, lab_job->inputs,
                       given_options(*command));
@@ -189,10 +197,10 @@ struct RunCommand {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  void write_results(const IkJob& job, const TrackingResult& solved, const TimeTable& torques,
-                     const nlohmann::ordered_json& summary) const {
+  void write_results(const IkJob& job, const TrackingResult& solved, const TimeTable& motion,
+                     const TimeTable& torques, const nlohmann::ordered_json& summary) const {
     const std::filesystem::path folder = out;
-    write_storage(folder / "ik.mot", coordinate_motion(job.model, solved));
+    write_storage(folder / "ik.mot", motion);
     write_storage(folder / "id.sto", torques);
     write_file_atomically(folder / "marker_errors.csv",
                           marker_errors_csv(marker_errors(job.tracking, solved)));

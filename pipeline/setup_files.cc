@@ -34,6 +34,12 @@ std::string element(const char* name, const std::string& text) {
   return fmt::format("    <{0}>{1}</{0}>\n", name, escaped(text));
 }
 
+const char* value_type(const IkTask& task) {
+  return task.value_type == IkTask::ValueType::kFromFile
+             ? "        <value_type>from_file</value_type>\n"
+             : "        <value_type>default_value</value_type>\n";
+}
+
 std::string time_range(const std::optional<double>& from, const std::optional<double>& to) {
   if (!from || !to) return "";
   return element("time_range", text::format_number(*from) + " " + text::format_number(*to));
@@ -53,7 +59,7 @@ std::string ik_tasks_document(const std::string& name, const std::vector<IkTask>
         "      </{0}>\n",
         marker ? "IKMarkerTask" : "IKCoordinateTask", escaped(task.name),
         task.apply ? "true" : "false", text::format_number(task.weight),
-        marker ? "" : "        <value_type>default_value</value_type>\n");
+        marker ? "" : value_type(task));
   }
   return document(text + "    </objects>\n  </IKTaskSet>\n");
 }
@@ -65,7 +71,10 @@ std::string ik_setup_document(const IkSetup& setup) {
       element("constraint_weight", "Inf") +
       element("accuracy", text::format_number(setup.accuracy)) +
       fmt::format("    <IKTaskSet file=\"{}\"/>\n", escaped(setup.task_set.path)) +
-      element("marker_file", setup.marker_file.string()) + time_range(setup.from, setup.to) +
+      element("marker_file", setup.marker_file.string()) +
+      (setup.coordinate_file.empty() ? ""
+                                     : element("coordinate_file", setup.coordinate_file.string())) +
+      time_range(setup.from, setup.to) +
       element("output_motion_file", setup.output_motion_file.string()) +
       "  </InverseKinematicsTool>\n");
 }

@@ -10,7 +10,8 @@ namespace sinew {
 /// OpenSim documents of version 40000 that read_ik_task_set, read_ik_setup and read_id_setup read.
 /// Paths are written as they stand: relative ones are resolved against the document's folder.
 
-/// Tasks with their weights; coordinates with ValueType::kDefault go to their default.
+/// Tasks with their weights; coordinates go to their default, or with ValueType::kFromFile to the
+/// setup's coordinate file.
 std::string ik_tasks_document(const std::string& name, const std::vector<IkTask>& tasks);
 
 /// Names tasks in a file of their own.

@@ -1,0 +1,202 @@
+#include "ik/marker_coverage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace sinew {
+namespace {
+
+// Among the frames from first_frame on, `count` of them.
+int fullest_frame(const TrackingProblem& tracking, const MarkerTrajectories& markers,
+                  int first_frame, int count) {
+  int best = first_frame, most = -1;
+  for (int f = first_frame; f < first_frame + count; ++f) {
+    const auto measured = static_cast<int>(std::count_if(
+        tracking.markers.begin(), tracking.markers.end(),
+        [&](const TrackedMarker& m) { return markers.position(f, m.recorded).allFinite(); }));
+    if (measured <= most) continue;
+    most = measured;
+    best = f;
+  }
+  return best;
+}
+
+bool moves(const MusculoskeletalModel& model, const KinematicTree& tree, int body) {
+  const Joint& joint = model.joints[static_cast<std::size_t>(body) - 1];
+  return std::any_of(joint.coordinates.begin(), joint.coordinates.end(), [&](int c) {
+    const int v = tree.v_of_coordinate[static_cast<std::size_t>(c)];
+    return v >= 0 && (tree.unknown_of_v[static_cast<std::size_t>(v)] >= 0 ||
+                      tree.coupling_of_v[static_cast<std::size_t>(v)] >= 0);
+  });
+}
+
+// A body that cannot move against the one that carries it belongs to that one's segment.
+std::vector<Segment> segments_of(const MusculoskeletalModel& model, const KinematicTree& tree) {
+  std::vector<Segment> segments(model.bodies.size());
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    const int parent = model.joints[b - 1].parent;
+    segments[b] = parent > 0 && !moves(model, tree, static_cast<int>(b))
+                      ? segments[static_cast<std::size_t>(parent)]
+                      : segment_of_body(model.bodies[b].name);
+  }
+  return segments;
+}
+
+std::string some_names(const MusculoskeletalModel& model, const std::vector<int>& coordinates) {
+  constexpr std::size_t kShown = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, coordinates.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + model.coordinates[static_cast<std::size_t>(coordinates[i])].name;
+  }
+  if (coordinates.size() > kShown) text += fmt::format(" and {} more", coordinates.size() - kShown);
+  return text;
+}
+
+VerdictReason reason_of(const MusculoskeletalModel& model, const std::vector<int>& coordinates) {
+  VerdictReason reason;
+  reason.source = "Sinew";
+  for (const int c : coordinates) {
+    reason.angles.push_back(model.coordinates[static_cast<std::size_t>(c)].name);
+  }
+  reason.torques = reason.angles;
+  return reason;
+}
+
+}  // namespace
+
+TrackingProblem markers_alone(const TrackingProblem& tracking) {
+  TrackingProblem alone = tracking;
+  alone.coordinates.clear();
+  alone.wires.clear();
+  alone.virtual_links.clear();
+  alone.problem.coordinates.clear();
+  alone.problem.orientations.clear();
+  alone.problem.distances.clear();
+  alone.problem.wires.clear();
+  alone.problem.wire_points.clear();
+  // Their usual weight would make the markers' part look like rounding.
+  for (CoincidenceResidual& loop : alone.problem.coincidences) loop.weight = 1.0;
+  for (AlignmentResidual& loop : alone.problem.alignments) loop.weight = 1.0;
+  return alone;
+}
+
+MarkerCoverage marker_coverage(const MusculoskeletalModel& model, const KinematicTree& tree,
+                               const TrackingProblem& tracking, const MarkerTrajectories& markers,
+                               int first_frame, const TrackingResult* solved) {
+  MarkerCoverage coverage;
+  const int count = solved != nullptr ? static_cast<int>(solved->frames.size())
+                                      : markers.frame_count() - first_frame;
+  const int frame = fullest_frame(tracking, markers, first_frame, count);
+  const TrackingProblem alone = markers_alone(tracking);
+  IkTargets targets(alone.problem);
+  set_targets(alone, markers, frame, targets);
+  std::vector<double> q = tree.default_q;
+  for (std::size_t c = 0; solved != nullptr && c < tree.q_of_coordinate.size(); ++c) {
+    q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
+        solved->coordinates(frame - first_frame, static_cast<Eigen::Index>(c));
+  }
+  const auto link_of = [&](int c) {
+    return model
+        .bodies[static_cast<std::size_t>(model.coordinates[static_cast<std::size_t>(c)].joint) + 1]
+        .virtual_link;
+  };
+  for (const int c : undetermined_coordinates(model, tree, alone, targets, q)) {
+    if (!link_of(c)) coverage.undetermined.push_back(c);
+  }
+  const std::vector<Segment> segments = segments_of(model, tree);
+  const auto has_marker = [&](const Segment& segment) {
+    return std::any_of(tracking.markers.begin(), tracking.markers.end(),
+                       [&](const TrackedMarker& m) {
+                         const Marker& marker = model.markers[static_cast<std::size_t>(m.model)];
+                         return segments[static_cast<std::size_t>(marker.body)] == segment;
+                       });
+  };
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    const Segment& segment = segments[b];
+    const bool listed = std::find(coverage.bare_segments.begin(), coverage.bare_segments.end(),
+                                  segment) != coverage.bare_segments.end();
+    const bool small = segment.part == "knee cap" || model.bodies[b].virtual_link;
+    if (listed || small || !moves(model, tree, static_cast<int>(b)) || has_marker(segment)) {
+      continue;
+    }
+    coverage.bare_segments.push_back(segment);
+  }
+  for (const int c : coverage.undetermined) {
+    const Joint& joint =
+        model
+            .joints[static_cast<std::size_t>(model.coordinates[static_cast<std::size_t>(c)].joint)];
+    for (const Segment& bare : coverage.bare_segments) {
+      if (segments[static_cast<std::size_t>(joint.child)] != bare &&
+          segments[static_cast<std::size_t>(joint.parent)] != bare) {
+        continue;
+      }
+      coverage.bare_coordinates.push_back(c);
+      break;
+    }
+  }
+  return coverage;
+}
+
+std::vector<VerdictReason> coverage_reasons(const MusculoskeletalModel& model,
+                                            const MarkerCoverage& coverage) {
+  std::vector<VerdictReason> reasons;
+  if (!coverage.bare_segments.empty()) {
+    VerdictReason reason = reason_of(model, coverage.bare_coordinates);
+    reason.code = "segment-without-marker";
+    const std::string segments = segments_in_words(coverage.bare_segments);
+    const bool one = coverage.bare_segments.size() == 1;
+    reason.text = fmt::format("{} {} no marker", segments, one ? "has" : "have");
+    if (!coverage.bare_coordinates.empty()) {
+      reason.text +=
+          fmt::format(": no measurement tells {}", some_names(model, coverage.bare_coordinates));
+    }
+    reason.remedy = "put markers there, or say with a map of names which recorded ones are there";
+    reason.figure = static_cast<double>(coverage.bare_segments.size());
+    reason.limit = 0.0;
+    reasons.push_back(std::move(reason));
+  }
+  std::vector<int> others;
+  std::set_difference(coverage.undetermined.begin(), coverage.undetermined.end(),
+                      coverage.bare_coordinates.begin(), coverage.bare_coordinates.end(),
+                      std::back_inserter(others));
+  if (!others.empty()) {
+    VerdictReason reason = reason_of(model, others);
+    reason.code = "undetermined-coordinates";
+    reason.text = fmt::format("the tracked markers do not tell {}", some_names(model, others));
+    reason.remedy = "track more markers on the segments that these joints connect";
+    reason.figure = static_cast<double>(others.size());
+    reason.limit = 0.0;
+    reasons.push_back(std::move(reason));
+  }
+  return reasons;
+}
+
+std::string misfit_causes(const MusculoskeletalModel& model, const KinematicTree& tree,
+                          const TrackingProblem& tracking, double marker_rms) {
+  if (!(marker_rms > kNoPerson)) return {};
+  const auto carried = [&](int body) {
+    for (int b = body; b > 0; b = model.joints[static_cast<std::size_t>(b) - 1].parent) {
+      if (moves(model, tree, b)) return true;
+    }
+    return false;
+  };
+  const bool any = std::any_of(
+      tracking.markers.begin(), tracking.markers.end(), [&](const TrackedMarker& marker) {
+        return carried(model.markers[static_cast<std::size_t>(marker.model)].body);
+      });
+  const std::string far =
+      fmt::format("the markers are {:.0f} mm from the model's", 1e3 * marker_rms);
+  if (!any) {
+    return far +
+           ": none that is tracked is on a body that moves, so that no coordinate follows from "
+           "them; `sinew model check` tells of such models";
+  }
+  return far +
+         ", farther than those of any person: the recording's unit or axes, markers with exchanged "
+         "names, or a model of somebody else; `sinew check RECORDING --model MODEL` tells which";
+}
+
+}  // namespace sinew

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "data/verdict_reason.h"
+#include "ik/tracking.h"
+#include "model/segment_words.h"
+
+namespace sinew {
+
+/// What the tracked markers do not tell about a body, whatever tasks draw it somewhere.
+struct MarkerCoverage {
+  // Coordinates that they leave open, dependent ones included, those of virtual links not.
+  std::vector<int> undetermined;
+  std::vector<Segment> bare_segments;  // that move by themselves and have no tracked marker …
+  std::vector<int> bare_coordinates;   // … and the undetermined coordinates of their joints
+};
+
+/// Looks at the frame in which most tracked markers are measured, at its pose `q`, or at the
+/// default pose where `solved` is null, by the rank of the markers' Jacobian
+/// (undetermined_coordinates()). Time: one eigenvalue problem of the size of the unknowns.
+MarkerCoverage marker_coverage(const MusculoskeletalModel& model, const KinematicTree& tree,
+                               const TrackingProblem& tracking, const MarkerTrajectories& markers,
+                               int first_frame, const TrackingResult* solved);
+
+/// The tracking problem of the markers alone, without tasks, wires and virtual links' targets.
+TrackingProblem markers_alone(const TrackingProblem& tracking);
+
+/// Codes "segment-without-marker" and "undetermined-coordinates": in words, with the coordinates
+/// whose angles and torques cannot be used. Nothing where the markers tell everything.
+std::vector<VerdictReason> coverage_reasons(const MusculoskeletalModel& model,
+                                            const MarkerCoverage& coverage);
+
+/// Residuals of a person's own markers on a model that is not scaled reach 50 mm; a limb is longer.
+constexpr double kNoPerson = 0.1;  // [m]
+
+/// Why markers may lie this far from the model, where their RMS [m] exceeds kNoPerson; with the
+/// command that tells. Empty below.
+std::string misfit_causes(const MusculoskeletalModel& model, const KinematicTree& tree,
+                          const TrackingProblem& tracking, double marker_rms);
+
+}  // namespace sinew

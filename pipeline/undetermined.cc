@@ -1,0 +1,78 @@
+#include "pipeline/undetermined.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/option_checks.h"
+#include "pipeline/reports.h"
+
+namespace sinew {
+namespace {
+
+constexpr const char* kKey = "undetermined";
+
+}  // namespace
+
+std::vector<VerdictReason> coverage_reasons(const IkJob& job, const TrackingResult& result) {
+  std::vector<VerdictReason> reasons = coverage_reasons(
+      job.model, marker_coverage(job.model, job.tree, job.tracking, job.recording.markers,
+                                 job.options.first_frame, &result));
+  const double rms = total_marker_rms(result);
+  const std::string causes = misfit_causes(job.model, job.tree, job.tracking, rms);
+  if (!causes.empty()) {
+    VerdictReason reason;
+    reason.weight = VerdictReason::Weight::kUnusable;
+    reason.code = "not-this-person";
+    reason.text = causes;
+    reason.figure = 1e3 * rms;
+    reason.limit = 1e3 * kNoPerson;
+    reason.unit = "mm";
+    reason.source = "Sinew";
+    for (const Coordinate& c : job.model.coordinates) reason.angles.push_back(c.name);
+    reason.torques = reason.angles;
+    reasons.push_back(std::move(reason));
+  }
+  return reasons;
+}
+
+std::vector<Warning> as_warnings(const std::vector<VerdictReason>& reasons,
+                                 const std::string& file) {
+  std::vector<Warning> warnings;
+  for (const VerdictReason& reason : reasons) {
+    warnings.push_back({{file}, reason.text + (reason.remedy.empty() ? "" : "; " + reason.remedy)});
+  }
+  return warnings;
+}
+
+std::vector<std::string> undetermined_names(const std::vector<VerdictReason>& reasons) {
+  std::vector<std::string> names;
+  for (const VerdictReason& reason : reasons) {
+    if (reason.code != "segment-without-marker" && reason.code != "undetermined-coordinates") {
+      continue;
+    }
+    names.insert(names.end(), reason.angles.begin(), reason.angles.end());
+  }
+  return names;
+}
+
+void set_undetermined(const std::vector<std::string>& names, TimeTable& motion) {
+  if (!names.empty()) motion.header[kKey] = fmt::format("{}", fmt::join(names, ","));
+}
+
+std::vector<std::string> undetermined_in(const TimeTable& motion) {
+  const auto found = motion.header.find(kKey);
+  return found == motion.header.end() ? std::vector<std::string>() : split_names(found->second);
+}
+
+void mark_undetermined(const std::vector<std::string>& names, TimeTable& forces) {
+  const Eigen::Index columns = forces.values.cols();
+  forces.values.conservativeResize(Eigen::NoChange,
+                                   columns + static_cast<Eigen::Index>(names.size()));
+  forces.values.rightCols(static_cast<Eigen::Index>(names.size())).setZero();
+  for (const std::string& name : names) forces.labels.push_back(name + "_determined");
+}
+
+}  // namespace sinew
