@@ -8,6 +8,8 @@
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
+#include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_report.h"
 #include "pipeline/wire_report.h"
 
 namespace sinew {
@@ -17,6 +19,7 @@ struct IkCommand {
   std::string setup;
   IkOptions options;
   std::string out, wire_table;
+  bool accept = false;
 
   int run() const {
     IkInputs inputs = options.inputs();
@@ -38,7 +41,7 @@ struct IkCommand {
     }
     InputFiles files = input_files(inputs);
     files.emplace_back("setup", setup);
-    check_outputs({output, options.trace, wire_table}, files);
+    check_outputs({output, verdict_path(output), options.trace, wire_table}, files);
     IkJob job = prepare_ik(inputs);
     report(warnings, job.warnings);
     const std::optional<TrackingResult> result = solve_ik(job);
@@ -50,12 +53,25 @@ struct IkCommand {
     if (!wire_table.empty()) {
       write_file_atomically(wire_table, wires_csv(job.model, job.tracking, *result));
     }
-    fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}\n",
+    const Verdict verdict = judge(gather(job, *result));
+    write_verdict(verdict_path(output), verdict);
+    report(warnings, frame_warnings(*result, job.recording.path));
+    fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}{}\n",
                result->frames.size(), result->seconds,
                1e3 * result->seconds / static_cast<double>(result->frames.size()),
-               1e3 * total_marker_rms(*result), output.string());
-    report(warnings, frame_warnings(*result, job.recording.path));
-    return unconverged_frames(*result) == 0 ? kExitOk : kExitFailed;
+               1e3 * total_marker_rms(*result), verdict_text(verdict, kMostLines - 2),
+               output.string());
+    return exit_code(verdict, accept);
+  }
+
+  static VerdictEvidence gather(const IkJob& job, const TrackingResult& result) {
+    VerdictEvidence evidence;
+    evidence.joints = joint_evidence(job.model);
+    evidence.angles = true;
+    evidence.model = model_evidence(job.model);
+    evidence.found = tracking_findings(job, result);
+    evidence.kinematics = kinematics_evidence(job, result, kNaN, evidence.found);
+    return evidence;
   }
 };
 
@@ -71,6 +87,7 @@ void add_ik_command(CLI::App& app, int& exit_code) {
   sub->add_option("--out", command->out, "Motion file to write (.mot), angles in degrees");
   sub->add_option("--wire-table", command->wire_table,
                   "Write places of virtual links and lengths, slack and strain of wires (.csv)");
+  sub->add_flag("--accept", command->accept, kAcceptHelp);
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

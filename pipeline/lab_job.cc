@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <stdexcept>
 
 #include "data/carried_mass.h"
@@ -30,9 +29,6 @@ namespace fs = std::filesystem;
 constexpr double kThreshold = 20.0;  // [N]
 
 constexpr double kWorthSaying = 0.6;  // likely or more
-
-// What clothes, shoes and an unsteady walk make of a mass.
-constexpr double kMassTolerance = 0.03;
 
 constexpr const char* kModel = "model.osim";
 constexpr const char* kGeneric = "model_generic.osim";
@@ -98,6 +94,7 @@ class Preparation {
     RecordingEdits unit;
     unit.unit = options_.edit.unit;
     if (!options_.static_trial.empty()) files.read(options_.static_trial, unit);
+    std::vector<Warning> spoiling;
     for (const Finding& finding : run_preflight(files.inputs())) {
       if (finding.severity == Finding::Severity::kNote || finding.confidence < kWorthSaying)
         continue;
@@ -105,12 +102,13 @@ class Preparation {
       if (finding.kind == "size" && will_fit_sizes(generic)) continue;
       if (finding.kind == "match") continue;  // names are settled next
       const std::string mends = remedy(finding);
-      report(warnings_,
-             {{{finding.file.empty() ? options_.c3d : finding.file},
-               fmt::format("{}{}{} ({}){}{}", finding.where, finding.where.empty() ? "" : ": ",
-                           finding.text, confidence_word(finding.confidence),
-                           mends.empty() ? "" : "; mended by ", mends)}});
+      spoiling.push_back(
+          {{finding.file.empty() ? options_.c3d : finding.file},
+           fmt::format("{}{}{} ({}){}{}", finding.where, finding.where.empty() ? "" : ": ",
+                       finding.text, confidence_word(finding.confidence),
+                       mends.empty() ? "" : "; mended by ", mends)});
     }
+    report(warnings_, spoiling);
   }
 
   bool will_fit_sizes(const GenericModel& generic) const {
@@ -194,20 +192,7 @@ class Preparation {
     job_.dynamics.loads = (folder_ / kLoads).string();
     job_.coverage = load_coverage(markers, assignment, walk.plates);
     write_file_atomically(folder_ / kCoverage, load_coverage_csv(*job_.coverage, markers.time));
-    compare_mass(stride_mass(assignment, *job_.coverage, markers.time, walk.plates));
-  }
-
-  void compare_mass(const std::optional<StrideMass>& carried) {
-    if (!carried) return;
-    double mass = 0.0;
-    for (const Body& body : model_.bodies) mass += body.mass;
-    if (std::abs(mass - carried->mass) <= kMassTolerance * carried->mass) return;
-    report(
-        warnings_,
-        {{{options_.c3d},
-          fmt::format("the platforms carry {0:.1f} kg over {1} stride{2}, the model has {3:.1f} "
-                      "kg: forces at the root take the difference; --mass {0:.1f} scales it",
-                      carried->mass, carried->strides, carried->strides == 1 ? "" : "s", mass)}});
+    job_.carried = stride_mass(assignment, *job_.coverage, markers.time, walk.plates);
   }
 
   // Paths are relative, so that the folder can be moved; those of the user's own files are not.

@@ -4,7 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "data/carried_mass.h"
 #include "data/load_coverage.h"
+#include "data/verdict_reason.h"
 #include "pipeline/decisions.h"
 #include "pipeline/id_options.h"
 #include "pipeline/ik_options.h"
@@ -18,6 +20,8 @@ struct LabJob {
   IdOptions dynamics;
   InputFiles inputs;                     // the laboratory's own
   std::optional<LoadCoverage> coverage;  // by frame of the markers; none where nothing tells
+  std::optional<StrideMass> carried;     // by the platforms over whole strides
+  std::vector<VerdictReason> reasons;    // what the verdict has to say of the preparation
 };
 
 /// Files that prepare_lab() writes into the results' folder, for check_outputs().

@@ -75,7 +75,7 @@ void place_in_document(const ScaleJob& job, ScaledModel& scaled) {
 ScaledModel start(OsimDocument document, const std::filesystem::path& marker_set) {
   if (!marker_set.empty()) document.merge_markers(marker_set);
   const ScaleFactors ones(document.model());
-  ScaledModel scaled{std::move(document), {}, kNaN, {}, ones, {}, {}, {}, {}};
+  ScaledModel scaled{std::move(document), {}, kNaN, {}, ones, {}, {}, {}, {}, {}};
   scaled.mass_before = scaled.document.model().total_mass();
   scaled.bodies = body_names(scaled.document.model());
   append(scaled.warnings, scaled.document.model().warnings);

@@ -8,6 +8,7 @@
 
 #include "data/marker_trajectories.h"
 #include "data/scale_setup.h"
+#include "data/verdict_reason.h"
 #include "ik/auto_scale.h"
 #include "ik/marker_placement.h"
 #include "model/osim_document.h"
@@ -50,6 +51,7 @@ struct ScaledModel {
   std::optional<MarkerPlacementResult> placement;
   std::optional<AutoScaleResult> automatic;
   std::vector<Warning> warnings;
+  std::vector<VerdictReason> reasons;  // what the verdict has to say of the fit
 };
 
 /// Whether a measurement applies, so that the scaler needs its marker_file.
