@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "data/marker_trajectories.h"
-#include "ik/cold_start.h"
 #include "data/verdict_reason.h"
+#include "ik/cold_start.h"
 #include "ik/minimizer_options.h"
 #include "ik/size_limits.h"
 #include "model/musculoskeletal_model.h"

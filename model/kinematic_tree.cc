@@ -43,7 +43,8 @@ struct StepValue {
   double value, slope, curvature;
 };
 
-inline StepValue evaluate(const KinematicTree& tree, const Step& step, const std::vector<double>& q) {
+inline StepValue evaluate(const KinematicTree& tree, const Step& step,
+                          const std::vector<double>& q) {
   if (step.q < 0) return {step.constant, 0.0, 0.0};
   const double x = q[static_cast<std::size_t>(step.q)];
   if (step.function < 0) return {x, 1.0, 0.0};
@@ -68,8 +69,8 @@ void add_turn(Vector6d& column, const Eigen::Vector3d& w, const Eigen::Vector3d&
 }
 
 // Keeps a step's own column and adds its share to the column of the coordinate that drives it.
-inline void record_step(KinematicWorkspace& ws, std::size_t index, const Step& step, const StepValue& at,
-                 const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
+inline void record_step(KinematicWorkspace& ws, std::size_t index, const Step& step,
+                        const StepValue& at, const Eigen::Vector3d& w, const Eigen::Vector3d& v) {
   Vector6d& twist = ws.step_twist[index];
   twist << w, v;
   ws.step_slope[index] = at.slope;

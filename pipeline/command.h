@@ -33,8 +33,12 @@ void add_scale_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
 
 /// Appends the warnings that are not in `all` yet (readers share some) and prints these to standard
-/// error, one a line.
+/// error, one a line: files without their folders, and of several that differ in names and numbers
+/// only the first, with how many more there are.
 void report(std::vector<Warning>& all, const std::vector<Warning>& more);
+
+/// The lines that report() prints of these.
+std::vector<std::string> warning_lines(const std::vector<Warning>& warnings);
 
 /// A progress bar on standard error, `what: 3 of 200 steps`, that appears only after two seconds,
 /// and stops work on Ctrl-C: returns false then. Calls watch_interrupts().

@@ -12,6 +12,8 @@
 #include "pipeline/option_checks.h"
 #include "pipeline/output_check.h"
 #include "pipeline/undetermined.h"
+#include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_report.h"
 
 namespace sinew {
 namespace {
@@ -21,6 +23,7 @@ struct IdCommand {
   IdOptions dynamics;
   TimeRange range;
   int threads = 0;
+  bool accept = false;
   std::optional<double> setup_cutoff;  // [Hz]
 
   // What the command line left open comes from the setup.
@@ -69,7 +72,7 @@ struct IdCommand {
       merge(tool);
     }
     require_options();
-    check_outputs({out}, inputs());
+    check_outputs({out, verdict_path(out)}, inputs());
     const MusculoskeletalModel description = read_osim(model);
     report(warnings, description.warnings);
     const TimeTableFile motion_file = read_storage(coordinates);
@@ -77,7 +80,7 @@ struct IdCommand {
     const CoordinateTable motion = coordinate_table(description, motion_file);
     report(warnings, motion.warnings);
     IdJob job = prepare_id(description, dynamics, setup_cutoff, threads, warnings);
-    check_outputs({out}, {{"load_data", job.load_data_file}});
+    check_outputs({out, verdict_path(out)}, {{"load_data", job.load_data_file}});
     std::vector<Warning> of_range;
     const auto [first, end] = frames_within(motion.time, range, coordinates, of_range);
     report(warnings, of_range);
@@ -94,9 +97,26 @@ struct IdCommand {
       mark_undetermined(undetermined, result->forces);
     }
     write_storage(out, result->forces);
-    fmt::print("{} frames, coordinates {}\n{}\n", result->forces.time.size(),
-               filter_text(job.options.cutoff), out);
-    return kExitOk;
+    const VerdictEvidence evidence = gather(description, motion, result->forces, job);
+    const Verdict verdict = judge(evidence);
+    write_verdict(verdict_path(out), verdict);
+    const std::string root = root_text(*evidence.dynamics);
+    fmt::print("{} frames, coordinates {}\n{}{}{}{}\n", result->forces.time.size(),
+               filter_text(job.options.cutoff), root, root.empty() ? "" : "\n",
+               verdict_text(verdict, kMostLines - 3), out);
+    return exit_code(verdict, accept);
+  }
+
+  static VerdictEvidence gather(const MusculoskeletalModel& description,
+                                const CoordinateTable& motion, const TimeTable& forces,
+                                const IdJob& job) {
+    VerdictEvidence evidence;
+    evidence.joints = joint_evidence(description);
+    evidence.torques = true;
+    evidence.model = model_evidence(description);
+    evidence.dynamics = dynamics_evidence(description, forces, job.loads, {});
+    evidence.dynamics->not_given = coordinates_not_given(description, motion);
+    return evidence;
   }
 };
 
@@ -118,6 +138,7 @@ void add_id_command(CLI::App& app, int& exit_code) {
       ->check(a_thread_count())
       ->capture_default_str();
   sub->add_option("--out", command->out, "Generalized forces to write (.sto) [N m, N]");
+  sub->add_flag("--accept", command->accept, kAcceptHelp);
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

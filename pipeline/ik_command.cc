@@ -2,7 +2,6 @@
 
 #include "data/output_file.h"
 #include "data/storage_file.h"
-#include "ik/angle_jumps.h"
 #include "pipeline/command.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/ik_options.h"
@@ -10,6 +9,8 @@
 #include "pipeline/reports.h"
 #include "pipeline/trace.h"
 #include "pipeline/undetermined.h"
+#include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_report.h"
 #include "pipeline/wire_report.h"
 
 namespace sinew {
@@ -19,6 +20,7 @@ struct IkCommand {
   std::string setup;
   IkOptions options;
   std::string out, wire_table;
+  bool accept = false;
 
   int run() const {
     IkInputs inputs = options.inputs();
@@ -40,14 +42,14 @@ struct IkCommand {
     }
     InputFiles files = input_files(inputs);
     files.emplace_back("setup", setup);
-    check_outputs({output, options.trace, wire_table}, files);
+    check_outputs({output, verdict_path(output), options.trace, wire_table}, files);
     IkJob job = prepare_ik(inputs);
     report(warnings, job.warnings);
     const std::optional<TrackingResult> result = solve_ik(job);
     if (!result) return kExitFailed;
-    const std::vector<VerdictReason> reasons = coverage_reasons(job, *result);
+    const std::vector<VerdictReason> findings = tracking_findings(job, *result);
     TimeTable motion = coordinate_motion(job.model, *result);
-    set_undetermined(undetermined_names(reasons), motion);
+    set_undetermined(undetermined_names(findings), motion);
     write_storage(output, motion);
     if (!options.trace.empty()) {
       write_file_atomically(options.trace, trace_csv(*result, job.options.first_frame));
@@ -55,16 +57,26 @@ struct IkCommand {
     if (!wire_table.empty()) {
       write_file_atomically(wire_table, wires_csv(job.model, job.tracking, *result));
     }
-    fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}\n",
+    const Verdict verdict = judge(gather(job, *result, findings));
+    write_verdict(verdict_path(output), verdict);
+    report(warnings, frame_warnings(*result, job.recording.path));
+    fmt::print("{} frames in {:.3g} s ({:.3g} ms a frame), marker RMS {:.2f} mm\n{}{}\n",
                result->frames.size(), result->seconds,
                1e3 * result->seconds / static_cast<double>(result->frames.size()),
-               1e3 * total_marker_rms(*result), output.string());
-    report(warnings, frame_warnings(*result, job.recording.path));
-    for (const VerdictReason& reason : angle_jumps(job.model, *result)) {
-      report(warnings, {{{job.recording.path}, reason.text}});
-    }
-    report(warnings, as_warnings(reasons, job.recording.path));
-    return unconverged_frames(*result) == 0 ? kExitOk : kExitFailed;
+               1e3 * total_marker_rms(*result), verdict_text(verdict, kMostLines - 2),
+               output.string());
+    return exit_code(verdict, accept);
+  }
+
+  static VerdictEvidence gather(const IkJob& job, const TrackingResult& result,
+                                std::vector<VerdictReason> findings) {
+    VerdictEvidence evidence;
+    evidence.joints = joint_evidence(job.model);
+    evidence.angles = true;
+    evidence.model = model_evidence(job.model);
+    evidence.found = std::move(findings);
+    evidence.kinematics = kinematics_evidence(job, result, kNaN, evidence.found);
+    return evidence;
   }
 };
 
@@ -80,6 +92,7 @@ void add_ik_command(CLI::App& app, int& exit_code) {
   sub->add_option("--out", command->out, "Motion file to write (.mot), angles in degrees");
   sub->add_option("--wire-table", command->wire_table,
                   "Write places of virtual links and lengths, slack and strain of wires (.csv)");
+  sub->add_flag("--accept", command->accept, kAcceptHelp);
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

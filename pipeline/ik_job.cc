@@ -52,9 +52,6 @@ void bridge_gaps(IkJob& job, TrackingResult& result) {
       job.model, job.tree, job.tracking, markers, first, result.coordinates);
   job.reasons =
       gap_reasons(job.model, job.tracking, markers, first, job.options.end_frame, stretches);
-  for (const VerdictReason& reason : job.reasons) {
-    report(job.warnings, {{{job.recording.path}, reason.text}});
-  }
   if (stretches.empty()) return;
   const double seconds = result.seconds;
   const TrackingProblem bridged =

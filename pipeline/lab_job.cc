@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <stdexcept>
 
 #include "data/carried_mass.h"
@@ -35,9 +34,6 @@ namespace fs = std::filesystem;
 constexpr double kThreshold = 20.0;  // [N]
 
 constexpr double kWorthSaying = 0.6;  // likely or more
-
-// What clothes, shoes and an unsteady walk make of a mass.
-constexpr double kMassTolerance = 0.03;
 
 constexpr const char* kModel = "model.osim";
 constexpr const char* kGeneric = "model_generic.osim";
@@ -108,6 +104,7 @@ class Preparation {
     RecordingEdits unit;
     unit.unit = options_.edit.unit;
     if (!options_.static_trial.empty()) files.read(options_.static_trial, unit);
+    std::vector<Warning> spoiling;
     for (const Finding& finding : run_preflight(files.inputs())) {
       if (finding.severity == Finding::Severity::kNote || finding.confidence < kWorthSaying)
         continue;
@@ -115,12 +112,13 @@ class Preparation {
       if (finding.kind == "size" && will_fit_sizes(generic)) continue;
       if (finding.kind == "match") continue;  // names are settled next
       const std::string mends = remedy(finding);
-      report(warnings_,
-             {{{finding.file.empty() ? options_.c3d : finding.file},
-               fmt::format("{}{}{} ({}){}{}", finding.where, finding.where.empty() ? "" : ": ",
-                           finding.text, confidence_word(finding.confidence),
-                           mends.empty() ? "" : "; mended by ", mends)}});
+      spoiling.push_back(
+          {{finding.file.empty() ? options_.c3d : finding.file},
+           fmt::format("{}{}{} ({}){}{}", finding.where, finding.where.empty() ? "" : ": ",
+                       finding.text, confidence_word(finding.confidence),
+                       mends.empty() ? "" : "; mended by ", mends)});
     }
+    report(warnings_, spoiling);
   }
 
   bool will_fit_sizes(const GenericModel& generic) const {
@@ -146,16 +144,15 @@ class Preparation {
       standing = MarkerFile{trial.file.path, name(trial, "static ", generic.model), {}};
       plates = trial.plates;
       write_trc(folder_ / kStatic, standing->markers);
-      note(options_.static_trial, static_trial_reasons(standing->markers, markers));
+      note(static_trial_reasons(standing->markers, markers));
       standing_ = standing->markers;
     }
     SettledModel settled =
         settle_model(generic, walking, standing ? &*standing : nullptr, plates, entered_, options_,
                      job_.ik.threads, folder_ / kModel, log_, warnings_);
-    note(options_.static_trial.empty() ? options_.c3d : options_.static_trial, settled.reasons);
+    note(settled.reasons);
     if (settled.fit && settled.fit->trials.size() == 2) {
-      note(options_.static_trial,
-           static_against_walk_reasons(settled.fit->trials[0].rms, settled.fit->trials[1].rms));
+      note(static_against_walk_reasons(settled.fit->trials[0].rms, settled.fit->trials[1].rms));
     }
     model_ = std::move(settled.model);
     job_.fit = std::move(settled.fit);
@@ -227,38 +224,20 @@ class Preparation {
     job_.dynamics.loads = (folder_ / kLoads).string();
     job_.coverage = load_coverage(markers, assignment, walk.plates);
     write_file_atomically(folder_ / kCoverage, load_coverage_csv(*job_.coverage, markers.time));
-    stride_mass_ = stride_mass(assignment, *job_.coverage, markers.time, walk.plates);
-    compare_mass(stride_mass_);
+    job_.carried = stride_mass(assignment, *job_.coverage, markers.time, walk.plates);
   }
 
   // In pounds, or newtons?
   void check_mass_unit() {
     if (!entered_mass_) return;
     MassEvidence evidence{standing_mass_, entered_.height};
-    if (stride_mass_) evidence.carried = stride_mass_->mass;
+    if (job_.carried) evidence.carried = job_.carried->mass;
     if (options_.height) evidence.height = options_.height;
-    note(options_.c3d, mass_unit_reasons(*entered_mass_, evidence));
+    note(mass_unit_reasons(*entered_mass_, evidence));
   }
 
-  // Until a verdict names them all, they are warnings as well.
-  void note(const std::string& file, const std::vector<VerdictReason>& reasons) {
-    for (const VerdictReason& reason : reasons) {
-      report(warnings_, {{{file}, fmt::format("{}; {}", reason.text, reason.remedy)}});
-      job_.reasons.push_back(reason);
-    }
-  }
-
-  void compare_mass(const std::optional<StrideMass>& carried) {
-    if (!carried) return;
-    double mass = 0.0;
-    for (const Body& body : model_.bodies) mass += body.mass;
-    if (std::abs(mass - carried->mass) <= kMassTolerance * carried->mass) return;
-    report(
-        warnings_,
-        {{{options_.c3d},
-          fmt::format("the platforms carry {0:.1f} kg over {1} stride{2}, the model has {3:.1f} "
-                      "kg: forces at the root take the difference; --mass {0:.1f} scales it",
-                      carried->mass, carried->strides, carried->strides == 1 ? "" : "s", mass)}});
+  void note(const std::vector<VerdictReason>& reasons) {
+    job_.reasons.insert(job_.reasons.end(), reasons.begin(), reasons.end());
   }
 
   // Paths are relative, so that the folder can be moved; those of the user's own files are not.
@@ -303,7 +282,6 @@ class Preparation {
   double threshold_ = kThreshold;
   SubjectParameters entered_;
   std::optional<double> entered_mass_, standing_mass_;  // [kg]
-  std::optional<StrideMass> stride_mass_;
   MusculoskeletalModel model_;
   std::optional<MarkerTrajectories> standing_;
   LabJob job_;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "data/carried_mass.h"
 #include "data/load_coverage.h"
 #include "data/verdict_reason.h"
 #include "ik/auto_scale.h"
@@ -20,6 +21,7 @@ struct LabJob {
   IdOptions dynamics;
   InputFiles inputs;                     // the laboratory's own
   std::optional<LoadCoverage> coverage;  // by frame of the markers; none where nothing tells
+  std::optional<StrideMass> carried;     // by the platforms over whole strides
   std::vector<VerdictReason> reasons;    // of the static trial, the mass and the fit of sizes
   std::optional<AutoScaleResult> fit;    // of the model to static trial and walk
 };

@@ -25,7 +25,8 @@ constexpr InputOption kInputs[] = {{"--c3d", "c3d"},     {"--static", "static"},
                                    {"--map", "map"},     {"--scale-setup", "scale_setup"},
                                    {"--tasks", "tasks"}, {"--task-coordinates", "task_coordinates"},
                                    {"--loads", "loads"}, {"--load-data", "load_data"}};
-constexpr const char* kNoDecisions[] = {"--out", "--decisions", "--threads", "--trace", "--help"};
+constexpr const char* kNoDecisions[] = {"--out",   "--decisions", "--threads",
+                                        "--trace", "--accept",    "--help"};
 
 // What each option decides.
 struct OptionDecision {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/command.h"
+#include "pipeline/option_names.h"
 #include "pipeline/version.h"
 
 namespace {
@@ -30,7 +31,8 @@ constexpr const char* kFooter =
     "  sinew ik --setup Setup_IK.xml                an OpenSim setup as it is\n"
     "  sinew validate --model m.osim --markers walk.trc\n"
     "\n"
-    "Exit codes: 0 done, 1 failed, 2 bad usage or bad input.\n";
+    "Exit codes: 0 done and usable, 1 failed or not usable (see verdict.json), 2 bad usage or bad "
+    "input.\n";
 
 }  // namespace
 
@@ -58,10 +60,10 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? sinew::kExitOk : sinew::kExitBadInput;
   } catch (const sinew::InputError& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    fmt::print(stderr, "error: {}\n", sinew::in_words_of_options(error.what()));
     return sinew::kExitBadInput;
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    fmt::print(stderr, "error: {}\n", sinew::in_words_of_options(error.what()));
     return sinew::kExitBadInput;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "error: not enough memory; solve a shorter time range (--from, --to)\n");

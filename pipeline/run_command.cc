@@ -1,12 +1,10 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
 
 #include "data/output_file.h"
 #include "data/storage_file.h"
-#include "ik/angle_jumps.h"
 #include "pipeline/command.h"
 #include "pipeline/example.h"
 #include "pipeline/id_job.h"
@@ -18,16 +16,19 @@
 #include "pipeline/lab_options.h"
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
+#include "pipeline/run_digest.h"
 #include "pipeline/trace.h"
 #include "pipeline/undetermined.h"
+#include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_report.h"
 #include "pipeline/version.h"
 #include "pipeline/wire_report.h"
 
 namespace sinew {
 namespace {
 
-constexpr const char* kResults[] = {"ik.mot", "id.sto", "marker_errors.csv", "frame_errors.csv",
-                                    "summary.json"};
+constexpr const char* kResults[] = {"ik.mot",           "id.sto",       "marker_errors.csv",
+                                    "frame_errors.csv", "summary.json", "verdict.json"};
 constexpr const char* kWires = "wires.csv";  // of models with wires
 
 struct RunCommand {
@@ -36,6 +37,7 @@ struct RunCommand {
   IdOptions dynamics;
   LabOptions lab;
   std::string out = "sinew-results";
+  bool accept = false;
 
   // A laboratory's files, or those of a run that is repeated, become model, markers and loads.
   LabJob prepare(DecisionLog& log, std::vector<Warning>& warnings) {
@@ -127,12 +129,8 @@ struct RunCommand {
     const std::optional<TrackingResult> solved = solve_ik(job);
     if (!solved) return kExitFailed;
     report(warnings, frame_warnings(*solved, job.recording.path));
-    for (const VerdictReason& reason : angle_jumps(job.model, *solved)) {
-      report(warnings, {{{job.recording.path}, reason.text}});
-    }
-    const std::vector<VerdictReason> reasons = coverage_reasons(job, *solved);
-    report(warnings, as_warnings(reasons, job.recording.path));
-    const std::vector<std::string> undetermined = undetermined_names(reasons);
+    const std::vector<VerdictReason> findings = tracking_findings(job, *solved);
+    const std::vector<std::string> undetermined = undetermined_names(findings);
     const auto id_start = std::chrono::steady_clock::now();
     std::optional<InverseDynamicsResult> torques =
         solve_id(job.model, coordinate_table(job.model, *solved), id_job);
@@ -155,17 +153,43 @@ struct RunCommand {
     }
     mark_undetermined(undetermined, torques->forces);
     summary["inverse_kinematics"]["undetermined"] = undetermined;
+    const VerdictEvidence evidence =
+        gather(job, *solved, torques->forces, id_job, lab_job, findings);
+    const Verdict verdict = judge(evidence);
+    summary["inverse_dynamics"]["root"] = root_json(*evidence.dynamics);
+    summary["verdict"] = verdict_json(verdict);
     summary["warnings"] = warning_summary(warnings);
     summary["seconds"] = seconds_since(start);
     TimeTable motion = coordinate_motion(job.model, *solved);
     set_undetermined(undetermined, motion);
     write_results(job, *solved, motion, torques->forces, summary);
+    write_verdict(std::filesystem::path(out) / "verdict.json", verdict);
     if (lab_job) {
       write_decisions(std::filesystem::path(out) / "decisions.json", log, lab_job->inputs,
                       given_options(*command));
     }
-    print_digest(*solved, summary, id_job.options.cutoff);
-    return unconverged_frames(*solved) == 0 ? kExitOk : kExitFailed;
+    fmt::print("{}", run_digest({summary, evidence, verdict, id_job.options.cutoff, out}));
+    return exit_code(verdict, accept);
+  }
+
+  static VerdictEvidence gather(const IkJob& job, const TrackingResult& solved,
+                                const TimeTable& forces, const IdJob& id_job,
+                                const std::optional<LabJob>& lab_job,
+                                const std::vector<VerdictReason>& findings) {
+    VerdictEvidence evidence;
+    evidence.joints = joint_evidence(job.model);
+    evidence.angles = evidence.torques = true;
+    evidence.model = model_evidence(job.model);
+    if (lab_job) evidence.found = lab_job->reasons;
+    evidence.found.insert(evidence.found.end(), findings.begin(), findings.end());
+    evidence.kinematics = kinematics_evidence(job, solved, kNaN, evidence.found);
+    CoverageOfFrames coverage;
+    if (lab_job && lab_job->coverage) {
+      coverage = {&*lab_job->coverage, job.options.first_frame,
+                  lab_job->carried ? lab_job->carried->mass : kNaN};
+    }
+    evidence.dynamics = dynamics_evidence(job.model, forces, id_job.loads, coverage);
+    return evidence;
   }
 
   void check_results(const InputFiles& inputs) const {
@@ -208,64 +232,13 @@ struct RunCommand {
     if (!job.tracking.wires.empty()) {
       write_file_atomically(folder / kWires, wires_csv(job.model, job.tracking, solved));
     }
-    write_file_atomically(folder / "summary.json", summary.dump(2) + "\n");
+    // Names may hold bytes that are no UTF-8.
+    write_file_atomically(
+        folder / "summary.json",
+        summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     if (!ik.trace.empty()) {
       write_file_atomically(ik.trace, trace_csv(solved, job.options.first_frame));
     }
-  }
-
-  void print_digest(const TrackingResult& solved, const nlohmann::ordered_json& summary,
-                    double cutoff) const {
-    const auto& kinematics = summary["inverse_kinematics"];
-    fmt::print("inverse kinematics: {} frames, {:.3g} ms a frame, marker RMS {:.2f} mm",
-               solved.frames.size(), kinematics["ms_per_frame"].get<double>(),
-               1e3 * total_marker_rms(solved));
-    if (kinematics.contains("worst_marker")) {
-      fmt::print(", worst marker {} ({:.1f} mm)",
-                 kinematics["worst_marker"]["name"].get<std::string>(),
-                 1e3 * kinematics["worst_marker"]["rms_m"].get<double>());
-    }
-    if (summary.contains("wires")) {
-      const auto& wires = summary["wires"];
-      fmt::print("\nwires: {}, of which {} become taut", wires["wires"].get<int>(),
-                 wires["ever_taut"].get<int>());
-      if (wires.contains("most_strained")) {
-        fmt::print("; the most strained by {:.2g} %: {}",
-                   100.0 * wires["most_strained"]["strain"].get<double>(),
-                   wires["most_strained"]["wire"].get<std::string>());
-      }
-    }
-    // Where loads are missing the residuals are the ground's.
-    const bool partly = summary.contains("loads") &&
-                        !summary["loads"]["root_residuals_where_complete"].is_null() &&
-                        summary["loads"]["complete_frames"] != summary["loads"]["frames"];
-    fmt::print("\ninverse dynamics: coordinates {}; residuals at the root{}:\n",
-               filter_text(cutoff),
-               partly ? fmt::format(" in the {} frames in which all loads are known",
-                                    summary["loads"]["complete_frames"].get<int>())
-                      : "");
-    for (const auto& r : partly ? summary["loads"]["root_residuals_where_complete"]
-                                : summary["inverse_dynamics"]["root_residuals"]) {
-      fmt::print("  {:<28} RMS {:8.2f} max {:8.2f} {}\n", r["column"].get<std::string>(),
-                 r["rms"].get<double>(), r["max"].get<double>(), r["unit"].get<std::string>());
-    }
-    if (summary.contains("loads")) print_coverage(summary["loads"]);
-    fmt::print("results: {}/{}{}{}\n", out, fmt::join(kResults, ", "),
-               summary.contains("wires") ? ", " : "", summary.contains("wires") ? kWires : "");
-  }
-
-  // Where the ground's forces are known, and where torques are not to be believed.
-  static void print_coverage(const nlohmann::ordered_json& loads) {
-    for (const auto& [foot, of_foot] : loads["feet"].items()) {
-      fmt::print("loads of the {} foot are known in {} of {} frames: {}\n", foot,
-                 of_foot["complete_frames"].get<int>(), loads["frames"].get<int>(),
-                 of_foot["complete_times"].get<std::string>());
-    }
-    if (loads["complete_frames"] == loads["frames"]) return;
-    fmt::print(
-        "elsewhere torques of that leg, and residuals at the root, lack the ground's force: "
-        "columns "
-        "..._loads_complete of id.sto are 0 there\n");
   }
 };
 
@@ -282,6 +255,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->lab.add_to(*sub);
   command->command = sub;
   sub->add_option("--out", command->out, "Folder for the results")->capture_default_str();
+  sub->add_flag("--accept", command->accept, kAcceptHelp);
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

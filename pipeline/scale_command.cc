@@ -9,6 +9,8 @@
 #include "pipeline/ik_job.h"
 #include "pipeline/option_checks.h"
 #include "pipeline/scale_job.h"
+#include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_report.h"
 
 namespace sinew {
 namespace {
@@ -19,8 +21,10 @@ namespace fs = std::filesystem;
 struct ScaleOutputs {
   fs::path model, scaled_only, scale_set, motion, marker_set, json;
 
+  fs::path verdict() const { return verdict_path(model.empty() ? scaled_only : model); }
+
   std::vector<fs::path> all() const {
-    return {model, scaled_only, scale_set, motion, marker_set, json};
+    return {model, scaled_only, scale_set, motion, marker_set, json, verdict()};
   }
 };
 
@@ -83,7 +87,7 @@ struct ScaleCommand {
   std::string out, out_dir, scale_set, motion, json;
   std::optional<double> mass, from, until;
   int starts = ColdStartOptions{}.starts;
-  bool preserve_masses = false, keep_markers = false;
+  bool preserve_masses = false, keep_markers = false, accept = false;
 
   MarkerPlacementOptions placement_options() const {
     MarkerPlacementOptions options;
@@ -208,8 +212,7 @@ struct ScaleCommand {
     }
     std::vector<Warning> warnings;
     report(warnings, scaled.warnings);
-    write(scaled, to);
-    return scaled.automatic->converged ? kExitOk : kExitFailed;
+    return write(scaled, to);
   }
 
   int run_setup() const {
@@ -223,11 +226,11 @@ struct ScaleCommand {
     check_outputs(to.all(), input_files(setup));
     const ScaledModel scaled = run_scale({setup, std::nullopt, placement_options()});
     report(warnings, scaled.warnings);
-    write(scaled, to);
-    return scaled.placement && !converged(scaled.placement->termination) ? kExitFailed : kExitOk;
+    return write(scaled, to);
   }
 
-  static void write(const ScaledModel& scaled, const ScaleOutputs& to) {
+  // Returns the exit code.
+  int write(const ScaledModel& scaled, const ScaleOutputs& to) const {
     const MusculoskeletalModel& model = scaled.document.model();
     const auto write = [](const fs::path& path, const std::string& content) {
       if (!path.empty()) write_file_atomically(path, content);
@@ -239,11 +242,23 @@ struct ScaleCommand {
     if (!to.motion.empty() && scaled.placement) {
       write_storage(to.motion, static_motion(model, *scaled.placement));
     }
-    if (!to.json.empty()) write(to.json, scale_json(scaled).dump(2) + "\n");
-    fmt::print("{}", scale_text(scaled));
+    VerdictEvidence evidence;
+    evidence.joints = joint_evidence(model);
+    evidence.model = model_evidence(model);
+    evidence.scale = scale_evidence(scaled);
+    evidence.found = scaled.reasons;
+    const Verdict verdict = judge(evidence);
+    write_verdict(to.verdict(), verdict);
+    if (!to.json.empty()) {
+      nlohmann::ordered_json summary = scale_json(scaled);
+      summary["verdict"] = verdict_json(verdict);
+      write(to.json, summary.dump(2) + "\n");
+    }
+    fmt::print("{}{}", scale_text(scaled), verdict_text(verdict, kMostLines / 2));
     for (const fs::path& path : to.all()) {
       if (!path.empty()) fmt::print("{}\n", path.string());
     }
+    return exit_code(verdict, accept);
   }
 };
 
@@ -282,6 +297,7 @@ void add_scale_command(CLI::App& app, int& exit_code) {
   sub->add_option("--scale-set", c.scale_set, "Write the factors applied, as a scale set (.xml)");
   sub->add_option("--motion", c.motion, "Write the static pose (.mot)");
   sub->add_option("--json", c.json, "Write factors, masses and marker distances (.json)");
+  sub->add_flag("--accept", c.accept, kAcceptHelp);
   c.automatic.add_to(*sub);
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }

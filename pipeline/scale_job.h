@@ -8,6 +8,7 @@
 
 #include "data/marker_trajectories.h"
 #include "data/scale_setup.h"
+#include "data/verdict_reason.h"
 #include "ik/auto_scale.h"
 #include "ik/marker_placement.h"
 #include "model/osim_document.h"

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "data/verdict_reason.h"
+
+namespace sinew {
+
+/// In how many frames all that the ground does to a foot is known.
+struct FootEvidence {
+  std::string name;
+  int complete = 0;                  // frames
+  std::string times;                 // for people
+  std::vector<std::string> torques;  // coordinates of its leg and of the root
+};
+
+/// What is left at the root, where no actuator acts: RMS and largest length of the vector over
+/// frames. Moments about the root's own axes are taken for the components of one vector.
+struct RootResidual {
+  double force_rms = std::numeric_limits<double>::quiet_NaN();  // [N]
+  double force_max = std::numeric_limits<double>::quiet_NaN();
+  double moment_rms = std::numeric_limits<double>::quiet_NaN();  // [N m]
+  double moment_max = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct DynamicsEvidence {
+  bool floating = false;  // nothing but loads holds the model
+  bool loads_given = false;
+  bool by_platforms = false;  // whether each frame's loads are complete was told by platforms
+  double weight = std::numeric_limits<double>::quiet_NaN();  // of the model [N]
+  double height = std::numeric_limits<double>::quiet_NaN();  // [m]
+  int frames = 0;
+  int known = 0;  // frames in which all loads are known; without platforms: in which less than half
+                  // of the weight hangs on the root
+  double peak_load =
+      std::numeric_limits<double>::quiet_NaN();  // largest length of all loads' sum [N]
+  // Of all loads' sum, over the frames [N]. NaN where not all are given in ground's axes.
+  double mean_vertical_load = std::numeric_limits<double>::quiet_NaN();
+  double vertical_load_rms = std::numeric_limits<double>::quiet_NaN();
+  double horizontal_load_rms = std::numeric_limits<double>::quiet_NaN();
+  // Mass that the loads carry [kg]: over strides, by platforms, else over the known frames.
+  double carried_mass = std::numeric_limits<double>::quiet_NaN();
+  RootResidual root;                     // over the known frames, or over all if there are none
+  std::vector<FootEvidence> feet;        // by the platforms
+  std::vector<std::string> supporting;   // coordinates between what carries the body and the root
+  std::vector<std::string> not_given;    // coordinates that the motion lacks
+  std::vector<std::string> coordinates;  // all
+};
+
+/// Codes: `no-loads`, `loads-missing`, `loads-pull-down`, `loads-sideways`, `mass-carried`,
+/// `residual-force`, `residual-moment`, `not-in-motion`. A model that the ground holds has no
+/// residuals: what acts at its root is a torque like any other. O(feet + coordinates).
+std::vector<VerdictReason> judge_dynamics(const DynamicsEvidence& dynamics);
+
+/// Coordinates whose torques can be used in some of the frames only.
+std::vector<std::string> partly_known_torques(const DynamicsEvidence& dynamics);
+
+}  // namespace sinew
