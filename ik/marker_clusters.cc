@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
+
+#include "ik/root_alignment.h"
 
 namespace sinew {
 namespace {
@@ -51,17 +52,16 @@ Eigen::Matrix3Xd positions(const MarkerTrajectories& markers, int frame,
   return p;
 }
 
-// How a group moved from the static trial to a frame (Kabsch 1976); nothing where fewer than three
-// of its markers are measured.
+// How a group moved from the static trial to a frame; nothing where fewer than three of its markers
+// are measured.
 std::optional<RigidTransform> motion(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
   std::vector<int> both;
   for (int i = 0; i < static_cast<int>(from.cols()); ++i) {
     if (from.col(i).allFinite() && to.col(i).allFinite()) both.push_back(i);
   }
   if (both.size() < 3) return std::nullopt;
-  const Eigen::Matrix3Xd a = from(Eigen::all, both), b = to(Eigen::all, both);
-  const Eigen::Matrix4d X = Eigen::umeyama(a, b, false);
-  return RigidTransform{X.topLeftCorner<3, 3>(), X.topRightCorner<3, 1>()};
+  return rigid_fit(from(Eigen::all, both), to(Eigen::all, both),
+                   Eigen::VectorXd::Ones(static_cast<Eigen::Index>(both.size())));
 }
 
 class ClusterSearch {

@@ -193,8 +193,12 @@ TEST(GapFilling, TheBetterOfTheTwoIsTakenAndItsErrorIsTold) {
       const GapFillResult result = fill_gaps(markers, {.max_gap = 0.1, .rigid = true});
       ASSERT_EQ(result.filled.size(), 1u);
       const FilledGap& filled = result.filled[0];
-      if (count == 1) EXPECT_EQ(filled.method, FilledGap::Method::kSpline);
-      if (count == 30) EXPECT_EQ(filled.method, FilledGap::Method::kRigid);
+      if (count == 1) {
+        EXPECT_EQ(filled.method, FilledGap::Method::kSpline);
+      }
+      if (count == 30) {
+        EXPECT_EQ(filled.method, FilledGap::Method::kRigid);
+      }
       squares += (markers.p_WM - truth.p_WM).block(first, 6, count, 3).squaredNorm() / count;
       told += filled.error * filled.error;
     }

@@ -88,8 +88,8 @@ TEST(ColdStart, TellsWhatItFound) {
   EXPECT_LE(result.starts, 30);
   EXPECT_GE(result.agreeing, 1);
   EXPECT_LE(result.agreeing, result.starts);
-  if (result.agreed) EXPECT_GE(result.agreeing, 2);
-  if (!std::isnan(result.second_lowest)) EXPECT_GT(result.second_lowest, result.lowest);
+  EXPECT_TRUE(!result.agreed || result.agreeing >= 2);
+  EXPECT_TRUE(std::isnan(result.second_lowest) || result.second_lowest > result.lowest);
 }
 
 TEST(ColdStart, WithOneStartIsTheMinimizer) {

@@ -315,7 +315,7 @@ TEST(MakeContinuous, LeavesWhatATaskPulls) {
   given.col(2).tail(50).array() -= 2.0 * kPi;
   for (const double weight : {0.0, 1e-3}) {
     TrackingProblem problem = bind_recording(body.model, body.tree, recording, nullptr, nullptr);
-    problem.coordinates.push_back({2, weight});
+    problem.coordinates.push_back({2, weight, 0.0, {}});
     problem.problem.coordinates.push_back({2, 2, weight});
     TrackingResult result =
         evaluate_coordinates(body.model, body.tree, problem, recording.markers, 0, given);

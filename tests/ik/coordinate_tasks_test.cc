@@ -9,6 +9,7 @@
 #include "data/tool_setup.h"
 #include "data/trc_file.h"
 #include "ik/assembler.h"
+#include "ik/filled_weights.h"
 #include "ik/marker_placement.h"
 #include "ik/tracking.h"
 #include "model/osim_file.h"

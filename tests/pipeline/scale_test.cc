@@ -157,6 +157,33 @@ TEST_F(PublishedScaling, OfOpenSimsOwnTest) {
   EXPECT_NEAR(json["measurements"][0]["factor"].get<double>(), 1.0797198918295747, 1e-9);
 }
 
+// A static pose in which bounds hold: from the default pose alone Gauss-Newton ended 176 mm off.
+TEST_F(PublishedScaling, OfARunningBodyWhosePoseIsHard) {
+  run("opensim-models/Rajagopal_run/Scale/scale_setup_run.xml",
+      {"--model", (shared_ / "opensim-models/Rajagopal_run/Rajagopal2016.osim").string()});
+  const Json golden = Json::parse(std::ifstream("tests/golden/rajagopal_run_static.json"));
+  const Json json = Json::parse(content_of(path() / "scale.json"));
+  double sum = 0.0, weights = 0.0;
+  for (const Json& marker : json["placement"]["markers"]) {
+    if (marker["distance_m"].is_null()) continue;
+    const double weight = marker["weight"].get<double>();
+    weights += weight;
+    sum += weight * std::pow(marker["distance_m"].get<double>(), 2);
+  }
+  // Without coordinate tasks this is all of OpenSim's cost.
+  EXPECT_LE(sum / weights, golden["total_squared_error"].get<double>() * (1.0 + 1e-6));
+  const MusculoskeletalModel ours = read_osim(path() / "subject_scaled_run.osim");
+  ASSERT_EQ(ours.markers.size(), golden["markers"].size());
+  for (const Marker& marker : ours.markers) {
+    const Json& theirs = golden["markers"][marker.name];
+    EXPECT_EQ(ours.bodies[static_cast<std::size_t>(marker.body)].name, theirs["body"]);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(marker.p_BM[i], theirs["p_BM"][static_cast<std::size_t>(i)].get<double>(), 0.01)
+          << marker.name;
+    }
+  }
+}
+
 TEST_F(PublishedScaling, OfGait2354) {
   run(kGait / "subject01_Setup_Scale.xml");
   expect_factors(path() / "subject01_scaleSet_applied.xml",
