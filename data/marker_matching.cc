@@ -127,7 +127,7 @@ class Matcher {
     return keys;
   }
 
-  // A key point RKnee is no epicondyle R.Knee.
+  // A key point RKnee is no epicondyle R.Knee, whatever the spelling.
   bool contradict(std::size_t recorded, std::size_t model) const {
     return !recorded_sites_[recorded].empty() && !model_sites_[model].empty() &&
            recorded_sites_[recorded] != model_sites_[model];
@@ -143,7 +143,7 @@ class Matcher {
       if (taken_recorded_[i]) continue;
       const auto found = models.find(recorded_keys[i]);
       if (found == models.end() || taken_model_[found->second]) continue;
-      if (kind == MatchKind::kSpelling && contradict(i, found->second)) continue;
+      if (contradict(i, found->second)) continue;
       take(i, found->second, kind);
     }
   }

@@ -88,6 +88,10 @@ constexpr MarkerSetRow kSports[] = {
     {"med", "anklein"},     {"hee", "heelback"},    {"toe", "forefoot2"}, {"mt5", "forefoot5"}};
 constexpr MarkerSetRow kSportsMidline[] = {{"sacr", "waistback"}};
 
+// ANK is the medial malleolus here: the lateral one has a name of its own.
+constexpr MarkerSetRow kLateralApart[] = {
+    {"kne", "lkn"}, {"knm", "mkn"}, {"ttc", "tub"}, {"ank", "lma"}, {"med", "ank"}};
+
 // Key points are centres of joints, not epicondyles and malleoli, whatever they are called.
 constexpr MarkerSetRow kKeyPoints[] = {{"sjc", "shoulder"}, {"ejc", "elbow"}, {"wjc", "wrist"},
                                        {"hjc", "hip"},      {"kjc", "knee"},  {"ajc", "ankle"},
@@ -155,6 +159,12 @@ constexpr MarkerSet kSets[] = {
      {},
      "hf tt lm mm ca fm sm vm",
      4},
+    {"four letters, lateral malleolus apart",
+     "c3d.org, sample 10: TYPE-3.c3d, by the places of its markers",
+     kLateralApart,
+     {},
+     "lkn mkn lma tub",
+     3},
     {"Qualisys sports", "Qualisys, Sports Marker Set of QTM", kSports, kSportsMidline},
     {"key points of OpenPose, COCO and Halpe",
      "Cao et al. 2021, IEEE TPAMI 43:172-186 (BODY_25); Lin et al. 2014, ECCV (COCO)",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ik/curvature.h"
 #include "ik/stiffness.h"
 
 namespace sinew {
@@ -40,6 +41,16 @@ double lowest_eigenvalue(const SmallMatrix& D) {
 // μ beyond this multiple of the stiffness leaves no step worth taking.
 constexpr double kLargestMu = 1e8;
 
+// Of a factorization beside the square of a column's height: Sᵀ K S, clearing, copying, solving.
+constexpr double kOperationsPerEntry = 16.0;
+
+// Of the sweep, in what a factorization does in the same time: TODO measured
+constexpr double kOperationsPerLink = 600.0, kOperationsPerColumn = 400.0;
+
+// How much less the sweep has to cost: it cannot stop at bounds within an iteration, and takes a
+// few more.
+constexpr double kWorthTheSweep = 2.0;
+
 // μ below this multiple cannot make a joint definite that no residual sees.
 constexpr double kLeastMu = 1e-12;
 
@@ -57,6 +68,25 @@ bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem)
     }
   }
   return true;
+}
+
+bool articulated_sweep_is_faster(const KinematicTree& tree, const IkProblem& problem) {
+  // The counts behind articulated_sweep_fits() are for the few problems that need them.
+  const std::vector<char> seen = seen_from_the_world(tree, problem);
+  std::vector<double> unknowns(tree.links.size(), 0.0);  // from the link to the root
+  double factorization = 0.0, sweep = 0.0;
+  for (std::size_t b = 1; b < tree.links.size(); ++b) {
+    const KinematicTree::Link& link = tree.links[b];
+    unknowns[b] = unknowns[static_cast<std::size_t>(link.parent)];
+    for (int v = link.first_v; v < link.first_v + link.v_count; ++v) {
+      if (tree.unknown_of_v[static_cast<std::size_t>(v)] < 0) continue;
+      const double height = ++unknowns[b];
+      if (seen[b]) factorization += height * (height + kOperationsPerEntry);
+      sweep += kOperationsPerColumn;
+    }
+    sweep += kOperationsPerLink;
+  }
+  return factorization > kWorthTheSweep * sweep && articulated_sweep_fits(tree, problem);
 }
 
 Articulated::Articulated(const KinematicTree& tree, const IkProblem& problem, Model model,
@@ -79,7 +109,8 @@ void Articulated::start() {
   mu_ = kNaN;
   growth_ = 2.0;
   rejected_ = 0;
-  newton_ = model_ == Model::kNewton;
+  near_ = model_ == Model::kAutomatic;
+  newton_ = near_ || model_ == Model::kNewton;
 }
 
 void Articulated::collect_stiffness(const Iterate& at, bool newton) {
@@ -322,19 +353,31 @@ void Articulated::sweep_outward(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d
   }
 }
 
-bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
-  for (std::size_t v = 0; v < active_.size(); ++v) {
-    const int x = at.tree.unknown_of_v[v];
-    active_[v] = x >= 0 && !at.held[static_cast<std::size_t>(x)];
-  }
+bool Articulated::sweep(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   collect_stiffness(at, newton_);
   if (std::isnan(mu_)) mu_ = options_.damping * scale_;
   mu_ = std::max(mu_, kLeastMu * scale_);
   while (!sweep_inward(at, newton_)) {
+    if (near_) return false;  // no minimum near, then
     mu_ = std::max(10.0 * mu_, needed_mu_);
     if (!(mu_ < kLargestMu * scale_)) return false;
   }
   sweep_outward(at, d);
+  step_ = d.cwiseAbs().maxCoeff();
+  return !near_ || step_ < kSmallStep;
+}
+
+bool Articulated::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
+  if (at.g.size() == 0) return false;
+  for (std::size_t v = 0; v < active_.size(); ++v) {
+    const int x = at.tree.unknown_of_v[v];
+    active_[v] = x >= 0 && !at.held[static_cast<std::size_t>(x)];
+  }
+  if (!sweep(at, d)) {
+    if (!near_) return false;
+    near_ = newton_ = false;
+    if (!sweep(at, d)) return false;
+  }
   const double slope = at.g.dot(d);
   expected_ = -0.5 * slope + 0.5 * mu_ * d.squaredNorm();
   return slope < 0.0;
@@ -351,6 +394,8 @@ void Articulated::learn(double accepted_length, double actual_decrease) {
     mu_ = std::max(mu_ * growth_, 1e-8 * scale_);
     growth_ *= 2.0;
   }
+  near_ = model_ == Model::kAutomatic && accepted && step_ < kSmallStep;
+  newton_ = newton_ || near_;
   rejected_ = accepted ? 0 : rejected_ + 1;
   // Gauss-Newton's model misses curvature if it promises ten times what it keeps, or twice in a row
   // what it does not keep at all.

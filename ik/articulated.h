@@ -26,10 +26,11 @@ namespace sinew {
 /// and substitution outward, (N7): d = −D⁻¹(Uᵀ X v_p + Sᵀp^A).
 ///
 /// μ is raised until every D is positive definite, and follows the ratio of actual to expected
-/// decrease (Nielsen's rule, as in GaussNewton). `kAutomatic` starts with Gauss-Newton, which needs
-/// the fewest iterations where residuals vanish, and turns to Newton for the rest of the frame when
-/// that ratio shows that Gauss-Newton's model misses curvature: at singular postures, and where
-/// residuals stay large.
+/// decrease (Nielsen's rule, as in GaussNewton). `kAutomatic` otherwise starts with Gauss-Newton,
+/// which needs the fewest iterations where residuals vanish, and turns to Newton for the rest of
+/// the frame when that ratio shows that Gauss-Newton's model misses curvature: at singular
+/// postures, and where residuals stay large. It takes Newton as well where that leads to a small
+/// step, kSmallStep, at the start of a frame and after every small step.
 ///
 /// A wire or distance across one joint depends on that joint's own steps only: its stiffness w jjᵀ
 /// is added to the joint's D, exactly. The tree's couplings and residuals across several joints do
@@ -72,6 +73,7 @@ class Articulated : public Direction {
   void add_joint_curvature(const Iterate& at, int link, std::span<const int> columns,
                            Matrix& D) const;
   void add_to_parent(const Iterate& at, int link);
+  bool sweep(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   bool dispatch(const Iterate& at, int link, bool newton);
 
   Model model_;
@@ -91,10 +93,19 @@ class Articulated : public Direction {
   double needed_mu_ = 0.0;  // what the D that was not definite asks for
   int rejected_ = 0;        // directions in a row
   bool newton_ = false;     // what kAutomatic takes now
+  bool near_ = false;       // because the last step was small or is still to come
+  double step_ = kNaN;      // largest entry of the last direction
 };
 
 /// True if the tree has no couplings and the problem no residual between links across more than one
 /// joint, so that one sweep solves (N2) exactly.
 bool articulated_sweep_fits(const KinematicTree& tree, const IkProblem& problem);
+
+/// True if it does and an iteration by the sweep costs less than one by GaussNewton's
+/// factorization, by a count of operations: the sweep takes the same for every link and column, the
+/// factorization the square of the number of unknowns from each one to the root. On gait models, 20
+/// links with 10 to 15 unknowns on the way, the factorization costs less; on a chain of 3 unknowns
+/// a link the sweep does from about 20 links. O(links).
+bool articulated_sweep_is_faster(const KinematicTree& tree, const IkProblem& problem);
 
 }  // namespace sinew

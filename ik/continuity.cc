@@ -110,7 +110,8 @@ std::vector<bool> only_turning(const MusculoskeletalModel& model, const Kinemati
   for (const Joint& joint : model.joints) {
     if (joint.kind != Joint::Kind::kCustom) continue;
     for (const TransformAxis& axis : joint.axes) {
-      if (axis.coordinate >= 0) ++uses[static_cast<std::size_t>(axis.coordinate)];
+      if (axis.coordinate < 0 || CompiledFunction(axis.function).is_constant()) continue;
+      ++uses[static_cast<std::size_t>(axis.coordinate)];
     }
   }
   for (std::size_t c = 0; c < only.size(); ++c) {
@@ -210,12 +211,12 @@ class Continuation {
         first_(first),
         result_(result),
         choices_(find_turn_choices(model, tree, tracking.problem)),
-        task_of_(model.coordinates.size(), -1),
+        has_task_(model.coordinates.size(), false),
         before_(choices_.turns.size()),
         workspace_(tree),
         targets_(tracking.problem) {
-    for (std::size_t i = 0; i < tracking.coordinates.size(); ++i) {
-      task_of_[static_cast<std::size_t>(tracking.coordinates[i].coordinate)] = static_cast<int>(i);
+    for (const TrackedCoordinate& task : tracking.coordinates) {
+      has_task_[static_cast<std::size_t>(task.coordinate)] = true;
     }
     for (std::size_t i = 0; i < before_.size(); ++i) {
       const FreeTurn& turn = choices_.turns[i];
@@ -258,13 +259,17 @@ class Continuation {
 
   // What tasks add to the cost if a turn goes on by `difference`.
   double task_cost(int i, double difference) {
-    const int task = task_of_[static_cast<std::size_t>(turn(i).coordinate)];
-    if (task < 0 || difference == 0.0) return 0.0;
-    const auto k = static_cast<std::size_t>(task);
-    const double off = value(i) - targets().coordinates[k];
-    if (std::isnan(off)) return 0.0;
+    const int coordinate = turn(i).coordinate;
+    if (difference == 0.0 || !has_task_[static_cast<std::size_t>(coordinate)]) return 0.0;
     const double step = difference / turn(i).slope;
-    return coordinate_weight(tracking_.problem, targets_, k) * step * (off + 0.5 * step);
+    double added = 0.0;
+    for (std::size_t k = 0; k < tracking_.coordinates.size(); ++k) {
+      if (tracking_.coordinates[k].coordinate != coordinate) continue;
+      const double off = value(i) - targets().coordinates[k];
+      if (std::isnan(off)) continue;
+      added += coordinate_weight(tracking_.problem, targets_, k) * step * (off + 0.5 * step);
+    }
+    return added;
   }
 
   void settle_single(int i) {
@@ -378,7 +383,7 @@ class Continuation {
   const int first_;
   TrackingResult& result_;
   const TurnChoices choices_;
-  std::vector<int> task_of_;    // coordinate → index into TrackingProblem::coordinates, or −1
+  std::vector<bool> has_task_;  // coordinates
   std::vector<double> before_;  // turns: θ of the frame before
   KinematicWorkspace workspace_;
   IkTargets targets_;

@@ -54,9 +54,6 @@ void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
   }
 }
 
-namespace {
-
-// Links that a residual between a link and the world can see, by itself or by one further out.
 std::vector<char> seen_from_the_world(const KinematicTree& tree, const IkProblem& problem) {
   std::vector<char> seen(tree.links.size(), 0);
   for (const PositionResidual& r : problem.positions) seen[static_cast<std::size_t>(r.link)] = 1;
@@ -68,8 +65,6 @@ std::vector<char> seen_from_the_world(const KinematicTree& tree, const IkProblem
   }
   return seen;
 }
-
-}  // namespace
 
 CostCurvature::CostCurvature(const KinematicTree& tree, const IkProblem& problem, Wires wires)
     : wires_(wires),

@@ -16,6 +16,9 @@ void add_link_stiffness(const IkProblem& problem, const IkTargets& targets,
                         const KinematicWorkspace& workspace, const Eigen::Vector3d& origin,
                         bool newton, std::vector<Matrix6d>& K);
 
+/// Links that a residual between a link and the world can see, by itself or by one further out.
+std::vector<char> seen_from_the_world(const KinematicTree& tree, const IkProblem& problem);
+
 /// Curvature of the cost without Jacobians. Gauss-Newton's, JᵀΣJ: the stiffness of every residual
 /// between a link and the world is added to its link, (N3), and accumulated inward like a composite
 /// inertia; residuals between links add their own sparse rows, see InternalRows.
@@ -46,11 +49,6 @@ class CostCurvature {
   /// `newton` all of it. Needs update_kinematics(). O(links + residuals).
   void update(const KinematicTree& tree, const IkProblem& problem, const IkTargets& targets,
               const KinematicWorkspace& workspace, bool newton = false);
-
-  /// The rows of this pose only, with the rest as it was.
-  void update_rows(const KinematicTree& tree, const KinematicWorkspace& workspace) {
-    rows_.update(tree, workspace);
-  }
 
   /// Gauss-Newton's diagonal over the unknowns: exact but for an unknown that drives others through
   /// couplings, where it is the upper bound of their working together.

@@ -17,11 +17,11 @@ struct Iterate {
   KinematicWorkspace& workspace;  // kinematics of this iterate, with the wrenches of its gradient
   int iteration = 0;
   double f = 0.0;
-  double tolerance = 0.0;      // of the gradient, below which the frame ends
   Eigen::VectorXd g;           // gradient
   Eigen::VectorXd s, y;        // last step and the gradient's change over it; iteration > 0
   Eigen::VectorXd previous_d;  // last direction; iteration > 0
   std::vector<char> held;      // 1: at a bound that g pushes against
+  double tolerance = 0.0;      // of the gradient, below which the frame ends
 };
 
 /// Which second derivatives of the cost the methods of second order take.
@@ -31,6 +31,11 @@ enum class NewtonModel {
   kAutomatic,    // what serves better, as each method has it
   kNearMinimum,  // JᵀΣJ, and all where steps have become small (GaussNewton only)
 };
+
+/// A step that changes no unknown by more than this [rad or m] starts near a minimum: Newton's and
+/// Gauss-Newton's models lead to the same one. From the default pose steps are ten times as long;
+/// the start of a frame of the published walks and runs is off by 0.07 at most.
+constexpr double kSmallStep = 0.1;
 
 /// The one choice that tells methods apart: where to go from an iterate, eq. (17)'s d_k.
 class Direction {

@@ -16,9 +16,6 @@ constexpr double kLargestRelativeMu = 1e8;
 // the detailed body walking, and leaves frames of the simplified one unsolved with 5 mm of noise.
 constexpr double kWireDamping = 1e-4;
 
-// And where the frame before ended near its minimum. TODO measure
-constexpr double kNearWireDamping = 1e-6;
-
 // What μ is multiplied by at least after a good step. On the detailed body walking 1/3, Nielsen's,
 // takes 8.9 iterations a frame and 1/10 takes 3.1, both without corrections.
 constexpr double kFade = 0.1;
@@ -26,17 +23,9 @@ constexpr double kFade = 0.1;
 // And after a bad one, twice as much after each in turn.
 constexpr double kGrowth = 10.0;
 
-// Steps below this [rad or m] end near the minimum, where all second derivatives lead closer than
-// JᵀΣJ. TODO
-constexpr double kNear = 0.1;
-
 // How far below its tolerance the gradient is to end, by the estimate, for a factorization to serve
 // again.
 constexpr double kSafety = 0.5;
-
-// What a step has to leave at most of the gradient for its factorization to serve again where the
-// problem has wires. TODO
-constexpr double kLeadsOn = 0.5;
 
 // Rounds in which wires are added to one model that a step from it pulls taut: two or three serve.
 constexpr int kMostRounds = 10;
@@ -67,10 +56,9 @@ GaussNewton::GaussNewton(const KinematicTree& tree, const IkProblem& problem,
 }
 
 void GaussNewton::start() {
-  const double wired = near_ ? kNearWireDamping : kWireDamping;
-  relative_mu_ = force_.empty() ? options_.damping : std::max(options_.damping, wired);
+  relative_mu_ = force_.empty() ? options_.damping : std::max(options_.damping, kWireDamping);
   growth_ = kGrowth;
-  first_ = true;
+  first_ = near_ = true;
   repeatable_ = false;
 }
 
@@ -213,8 +201,8 @@ bool GaussNewton::minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eige
     minimize_with_wires(at);
   }
   d = d_;
-  repeatable_ = holds_same(at);
-  if (repeatable_ && force_.empty()) {  // (H + μE)d = −g
+  repeatable_ = force_.empty() && holds_same(at);
+  if (repeatable_) {  // (H + μE)d = −g
     expected_ = -0.5 * at.g.dot(d_) + 0.5 * mu_ * d_.squaredNorm();
     return true;
   }
@@ -234,64 +222,33 @@ bool GaussNewton::tries_newton() const {
 // The minimum of Newton's model, unless it is Gauss-Newton's that serves.
 bool GaussNewton::minimize_newton(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   if (!minimize_model(at, true, d)) return false;
-  return model_ != NewtonModel::kNearMinimum || d_.cwiseAbs().maxCoeff() < kNear;
+  return model_ != NewtonModel::kNearMinimum || d_.cwiseAbs().maxCoeff() < kSmallStep;
 }
 
 bool GaussNewton::holds_same(const Iterate& at) const {
   return std::equal(at.held.rbegin(), at.held.rend(), held_.begin());
 }
 
-// Whether the last factorization will do. Without wires, a new one squares the factor by which the
-// gradient shrank over the last step, so that the old one serves where shrinking it once more by
-// the same is enough. With wires, rows and tensions bend the cost more than a new factorization
-// knows, and all else is cheap beside one: the old one serves as long as it leads on.
+// Whether the last factorization will do: the gradient shrank by a factor over the last step, and
+// shrinking it once more by the same is enough. A new factorization would square that factor, which
+// nobody asks for. Not with wires, which bend the cost from one step to the next.
 bool GaussNewton::may_repeat(const Iterate& at) {
   const double norm = at.g.size() > 0 ? at.g.cwiseAbs().maxCoeff() : 0.0;
   const double before = std::exchange(last_norm_, norm);
-  if (!repeatable_ || !holds_same(at)) return false;
-  return force_.empty() ? norm * norm < kSafety * at.tolerance * before : norm < kLeadsOn * before;
-}
-
-// The model with the last factorization and rows, at a later point: d in place of the step from
-// where they were made, and the tensions there on the right.
-void GaussNewton::repeat_with_wires(const Iterate& at) {
-  curvature_.update_rows(at.tree, at.workspace);
-  prediction_.update(at.problem, at.workspace, curvature_.rows().origin());
-  const std::span<const double> excess = prediction_.excess();
-  std::fill(bend_.begin(), bend_.end(), 0.0);
-  for (std::size_t i = 0; i < excess.size(); ++i) {
-    if (excess[i] > 0.0 && !tensions_.has(static_cast<int>(i))) add_wire(at, i);
-  }
-  factor_.forward(solution_);
-  tensions_.move(solution_, excess);
-  add_taut_wires(at);
-  expected_ = 0.0;
-  for (std::size_t i = 0; i < excess.size(); ++i) {
-    const double weight = at.problem.wires[i].weight;
-    const double before = weight * std::max(0.0, excess[i]), after = force_[i];
-    if (before == 0.0 && after == 0.0) continue;
-    const double stretch = prediction_.predicted()[i] - excess[i];
-    expected_ += 0.5 * ((before + after) * stretch + (before * before - after * after) / weight);
-  }
+  return repeatable_ && norm * norm < kSafety * at.tolerance * before && holds_same(at);
 }
 
 // The step by the last factorization, if that will do.
 bool GaussNewton::repeat(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
   if (!may_repeat(at)) return false;
-  stop_.setZero();
-  expected_ = 0.0;
   solution_ = -at.g.reverse();
-  if (force_.empty()) {
-    factor_.solve(solution_);
-    d_ = solution_.reverse();
-  } else {
-    repeat_with_wires(at);
-  }
+  factor_.solve(solution_);
+  d_ = solution_.reverse();
+  stop_.setZero();
   if (stop_at_bounds(at)) return repeatable_ = false;
   d = d_;
-  const double slope = at.g.dot(d);
-  expected_ += -0.5 * slope + 0.5 * mu_ * d_.squaredNorm();
-  return slope < 0.0;
+  expected_ = -0.5 * at.g.dot(d) + 0.5 * mu_ * d_.squaredNorm();
+  return true;
 }
 
 bool GaussNewton::compute(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
@@ -326,8 +283,8 @@ bool GaussNewton::correct(const Iterate& at, const KinematicWorkspace& trial,
 void GaussNewton::learn(double accepted_length, double actual_decrease) {
   const double ratio = expected_ > 0.0 ? actual_decrease / expected_ : 0.0;
   repeatable_ = repeatable_ && accepted_length == 1.0;
-  near_ =
-      accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 && d_.cwiseAbs().maxCoeff() < kNear;
+  near_ = accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 &&
+          d_.cwiseAbs().maxCoeff() < kSmallStep;
   if (accepted_length == 1.0 && ratio > 0.0) {
     const double r = 2.0 * ratio - 1.0;
     relative_mu_ *= std::max(kFade, 1.0 - r * r * r);

@@ -25,6 +25,12 @@ namespace sinew {
 /// correction after a step takes the tensions anew with the wires' lengths there: a wire that
 /// becomes longer in the second order only would otherwise spoil all but short steps.
 ///
+/// `kNearMinimum` takes all second derivatives but the wires' where they are positive definite and
+/// lead to a small step, kSmallStep, and JᵀΣJ after a step that was not small: where residuals
+/// stay, as they do in every recording, JᵀΣJ comes nearer by the same factor at every iteration,
+/// about 10, and Newton squares it. Where the gradient shrinks so fast that the last factorization
+/// is good enough for the last step, it serves again.
+///
 /// `kNewton` takes all second derivatives but the wires', see CostCurvature; `kAutomatic` as well
 /// where they are positive definite, and Gauss-Newton's elsewhere. Of a wire's tension all models
 /// take what holds links that only wires hold, CostCurvature::add_tension(). Allocates at
@@ -64,7 +70,6 @@ class GaussNewton : public Direction {
   bool tries_newton() const;
   bool holds_same(const Iterate& at) const;
   bool may_repeat(const Iterate& at);
-  void repeat_with_wires(const Iterate& at);
   bool repeat(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   bool minimize_newton(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d);
   bool minimize_model(const Iterate& at, bool newton, Eigen::Ref<Eigen::VectorXd> d);
@@ -80,7 +85,7 @@ class GaussNewton : public Direction {
   std::vector<double> force_;  // wires: tensions of the last model
   std::vector<double> bend_;   // wires: length beyond the first order where the step led
   bool first_ = true;          // of a frame
-  bool near_ = false;          // the last step was small
+  bool near_ = true;           // the last step was small, kSmallStep, or is still to come
   bool stops_ = false;         // stop_ is not zero
   bool repeatable_ = false;    // the factor is that of the last step, with nothing else in its way
   double last_norm_ = kNaN;    // largest entry of the gradient that the last step is from

@@ -79,6 +79,7 @@ Minimizer::Minimizer(const KinematicTree& tree, const IkProblem& problem,
                .held = std::vector<char>(static_cast<std::size_t>(tree.unknown_count()), 0)},
       tolerance_(tolerance_of(options, problem)) {
   options_.validate();
+  options_.method = resolved_method(tree, problem, options_);
   iterate_.tolerance = tolerance_;
   if (continues_gradient_sweep(options_.method)) options_.gradient = GradientKind::kDecomposed;
   direction_ = make_direction(tree, problem, options_);

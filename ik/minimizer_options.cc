@@ -36,6 +36,14 @@ std::unique_ptr<Direction> make_articulated(const KinematicTree& tree, const IkP
 
 }  // namespace
 
+Method resolved_method(const KinematicTree& tree, const IkProblem& problem,
+                       const MinimizerOptions& options) {
+  const bool may_choose =
+      options.method == Method::kGaussNewton && options.gradient == GradientKind::kDecomposed;
+  return may_choose && articulated_sweep_is_faster(tree, problem) ? Method::kArticulated
+                                                                  : options.method;
+}
+
 bool continues_gradient_sweep(Method method) {
   return method == Method::kArticulatedGaussNewton || method == Method::kArticulatedNewton ||
          method == Method::kArticulated;

@@ -21,6 +21,8 @@ enum class Method {
   kBfgs,
   kLbfgs,
   kLevenbergMarquardt,
+  // With all second derivatives near the minimum. Where the articulated sweep costs less than the
+  // factorization, articulated_sweep_is_faster(), and gradients are decomposed, it is kArticulated.
   kGaussNewton,
   // O(links), continuing the sweep of the decomposed gradient, which they always take. Couplings
   // and residuals that join two links do not fit their sweep: on such problems GaussNewton's sparse
@@ -29,6 +31,10 @@ enum class Method {
   kArticulatedNewton,
   kArticulated,  // turns from one to the other by itself
 };
+struct MinimizerOptions;
+/// The method that a minimization really takes, see kGaussNewton.
+Method resolved_method(const KinematicTree& tree, const IkProblem& problem,
+                       const MinimizerOptions& options);
 /// True for the articulated methods.
 bool continues_gradient_sweep(Method method);
 

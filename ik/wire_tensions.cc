@@ -49,20 +49,6 @@ void WireTensions::begin(const Eigen::VectorXd& y) {
   factored_ = 0;
 }
 
-void WireTensions::move(const Eigen::VectorXd& y, std::span<const double> excess) {
-  y_ = y;
-  for (std::size_t i = 0; i < wires_.size(); ++i) {  // the model asks for g without tensions
-    const double force = weight_[i] * std::max(0.0, excess[static_cast<std::size_t>(wires_[i])]);
-    if (force == 0.0) continue;
-    for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) y_[indices_[k]] += force * values_[k];
-  }
-  for (std::size_t i = 0; i < wires_.size(); ++i) {
-    double demand = excess[static_cast<std::size_t>(wires_[i])];
-    for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) demand += values_[k] * y_[indices_[k]];
-    demand_[i] = demand;
-  }
-}
-
 void WireTensions::add(int wire, double excess, double weight, std::span<const int> indices,
                        std::span<const double> row, SupernodalCholesky& factor) {
   int first = static_cast<int>(column_.size());

@@ -26,11 +26,6 @@ class WireTensions {
   /// Forgets all wires; y as above.
   void begin(const Eigen::VectorXd& y);
 
-  /// Keeps the wires, their rows and H, but measures d from another point: there excess[wire] is
-  /// the length of every wire [m], and w max(0, excess) its tension is part of the gradient g;
-  /// y = −L⁻¹g.
-  void move(const Eigen::VectorXd& y, std::span<const double> excess);
-
   /// Adds a wire: its excess ε [m] at d = 0, its weight, and its row j, whose entry k belongs to
   /// unknown indices[k]. A wire may be added once.
   void add(int wire, double excess, double weight, std::span<const int> indices,

@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kMostFilled = 0.10, kMostFilledMarker = 0.25, kMostUndetermined = 0.25;
+constexpr double kMostFilledMarker = 0.25, kMostUndetermined = 0.25;
 constexpr double kFewest = 0.1;  // [s]
 
 struct Missing {
@@ -52,28 +52,16 @@ VerdictReason of(const char* code, std::string text, double figure, double limit
 
 void add_shares(const std::vector<Missing>& all, int frames, double rate,
                 std::vector<VerdictReason>& reasons) {
-  double sum = 0.0;
   std::vector<std::string> often, hardly;
   double most = 0.0;
   const int fewest = static_cast<int>(std::lround(kFewest * rate));
   for (const Missing& missing : all) {
-    sum += missing.share;
     if (missing.measured < std::min(fewest, frames)) {
       hardly.push_back(fmt::format("{} ({} of {} frames)", missing.name, missing.measured, frames));
     } else if (missing.share > kMostFilledMarker) {
       often.push_back(fmt::format("{} ({:.0f} %)", missing.name, 100.0 * missing.share));
       most = std::max(most, missing.share);
     }
-  }
-  const double share = sum / static_cast<double>(std::max<std::size_t>(1, all.size()));
-  if (share > kMostFilled) {
-    reasons.push_back(
-        of("filled-share",
-           fmt::format("{:.0f} % of the markers' samples were not measured; they were "
-                       "filled in or left out",
-                       100.0 * share),
-           100.0 * share, 100.0 * kMostFilled,
-           "Label the trial more completely, or record it again."));
   }
   if (!often.empty()) {
     reasons.push_back(of("filled-share",

@@ -11,10 +11,8 @@ namespace sinew {
 
 /// What gaps take from a result, over frames `first` … `end` − 1 that were solved:
 ///
-/// `filled-share`: the part of the tracked markers' samples that were not measured, whether they
-///   were filled or stay missing, where it exceeds a tenth, and the markers of which a quarter was
-///   not. Sinew's limits: of two published walks a tenth cut out moved no joint's angle by more
-///   than what examiners differ by.
+/// `filled-share`: the tracked markers that are not measured in more than a quarter of the frames,
+///   whether they were filled or stay missing (the share of all samples is judged with the fit).
 /// `gap`: stretches that leave coordinates undetermined, with their times and these coordinates,
 ///   of which neither angles nor torques can be used there; unusable where that is more than a
 ///   quarter of the frames. And markers that are measured in fewer frames than a tenth of a second

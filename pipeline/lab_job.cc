@@ -111,6 +111,7 @@ class Preparation {
       // A generic model is of another size until it is scaled.
       if (finding.kind == "size" && will_fit_sizes(generic)) continue;
       if (finding.kind == "match") continue;  // names are settled next
+      if (finding.kind == "spike") continue;  // settled as they are read
       const std::string mends = remedy(finding);
       spoiling.push_back(
           {{finding.file.empty() ? options_.c3d : finding.file},

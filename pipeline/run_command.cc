@@ -146,12 +146,12 @@ struct RunCommand {
       summary["laboratory"] = input_summary(lab_job->inputs);
       summary["decisions"] = log.to_json()["decisions"];
     }
+    mark_undetermined(undetermined, torques->forces);
     if (lab_job && lab_job->coverage) {
       const int first = job.options.first_frame;
       summary["loads"] = coverage_summary(*lab_job->coverage, first, job.model, torques->forces);
       mark_coverage(*lab_job->coverage, first, torques->forces);
     }
-    mark_undetermined(undetermined, torques->forces);
     summary["inverse_kinematics"]["undetermined"] = undetermined;
     const VerdictEvidence evidence =
         gather(job, *solved, torques->forces, id_job, lab_job, findings);

@@ -48,7 +48,7 @@ std::string figure_text(const VerdictReason& r) {
 }
 
 std::string reason_text(const VerdictReason& r) {
-  return fmt::format("  - {}{}{}{}\n", r.text, figure_text(r), r.remedy.empty() ? "" : ". ",
+  return fmt::format("  - {}{}{}{}\n", r.text, figure_text(r), r.remedy.empty() ? "" : "; ",
                      r.remedy);
 }
 

@@ -245,6 +245,12 @@ TEST(MarkerSets, CompanyTellsWhatShortNamesMean) {
   // A key point is no epicondyle of the same spelling.
   const Names recorded = {"RKnee", "MidHip", "Neck"}, model = {"R.Knee"};
   EXPECT_TRUE(match_markers(recorded, model, {}, "walk.trc").matches.empty());
+  // Beside LMA, ANK is medial, although the model's RANK is lateral.
+  const Names apart = {"RANK", "RLMA", "RLKN", "RMKN", "RTUB"}, ankle = {"RANK", "RMED"};
+  const MarkerMatching matching = match_markers(apart, ankle, {}, "walk.c3d");
+  ASSERT_EQ(matching.matches.size(), 2u);
+  EXPECT_EQ(matching.matches[0], (MarkerMatch{0, 1, MatchKind::kSite}));
+  EXPECT_EQ(matching.matches[1], (MarkerMatch{1, 0, MatchKind::kSite}));
 }
 
 }  // namespace

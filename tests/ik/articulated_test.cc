@@ -6,7 +6,10 @@
 #include <algorithm>
 
 #include "ik/curvature.h"
+#include "ik/manipulator_case.h"
+#include "ik/minimizer.h"
 #include "tests/ik/random_problem.h"
+#include "tests/ik/small_model.h"
 
 namespace sinew {
 namespace {
@@ -160,6 +163,85 @@ TEST_P(ArticulatedSweeps, NewtonSolvesWithTheHessianOfTheCost) {
   curvature.update(p.tree, p.problem, p.targets, ws);
   curvature.matrix(p.problem, p.targets, ws, J);
   EXPECT_GT((J * d + at.g).norm(), 1e-3 * at.g.norm());
+}
+
+// A chain of pins, each bounded, with two markers on every body.
+struct BoundedChain {
+  MusculoskeletalModel model = empty_model();
+  KinematicTree tree;
+  IkProblem problem;
+
+  explicit BoundedChain(int links) {
+    int parent = 0;
+    for (int i = 0; i < links; ++i) {
+      parent = add_body(model, parent, Joint::Kind::kPin, "r", {0.1, 0.0, 0.0});
+      model.joints.back().X_PF.R = rotation_from_body_xyz({0.3 * i, 0.2, 0.0});
+      clamp(model.coordinates.back(), -0.05, 0.05);
+      problem.positions.push_back({parent, {0.0, 0.1, 0.0}});
+      problem.positions.push_back({parent, {0.0, 0.0, 0.1}});
+    }
+    tree = compile_tree(model);
+  }
+  // Where the markers are with every joint at `angle`, some beyond its bounds, and off by 0.02 m.
+  IkTargets targets(double angle) const {
+    IkTargets targets(problem);
+    KinematicWorkspace ws(tree);
+    RandomValues values(7);
+    for (double& q : ws.q) q = angle + values.uniform(-0.03, 0.03);
+    update_poses(tree, ws);
+    for (std::size_t i = 0; i < problem.positions.size(); ++i) {
+      const PositionResidual& r = problem.positions[i];
+      targets.positions[i] =
+          ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP + values.vector(0.02);
+    }
+    return targets;
+  }
+};
+
+TEST(ArticulatedSweepIsFaster, OnLongChainsOnly) {
+  for (const int links : {1, 4, 10}) {
+    const ManipulatorCase c = make_manipulator_case('A', links);
+    EXPECT_FALSE(articulated_sweep_is_faster(c.tree, c.problem)) << links;
+  }
+  for (const int links : {40, 400}) {
+    const ManipulatorCase c = make_manipulator_case('A', links);
+    EXPECT_TRUE(articulated_sweep_is_faster(c.tree, c.problem)) << links;
+  }
+  ManipulatorCase coupled = make_manipulator_case('A', 400);
+  coupled.problem.distances.push_back({1, 9});  // across several joints: no sweep
+  EXPECT_FALSE(articulated_sweep_is_faster(coupled.tree, coupled.problem));
+}
+
+TEST(ArticulatedSweepIsFaster, IsWhatTheDefaultMethodGoesBy) {
+  const BoundedChain chain(150);
+  MinimizerOptions options;
+  EXPECT_EQ(resolved_method(chain.tree, chain.problem, options), Method::kArticulated);
+  options.gradient = GradientKind::kJacobian;  // leaves no sweep to continue
+  EXPECT_EQ(resolved_method(chain.tree, chain.problem, options), Method::kGaussNewton);
+  const BoundedChain small(12);
+  EXPECT_EQ(resolved_method(small.tree, small.problem, {}), Method::kGaussNewton);
+}
+
+// Both ways of the default method, on a chain many of whose joints end at bounds.
+TEST(ArticulatedSweepIsFaster, EndsAtTheMinimumOfTheFactorization) {
+  const BoundedChain chain(150);
+  for (const double angle : {0.0, 0.03, 0.05}) {
+    const IkTargets targets = chain.targets(angle);
+    std::vector<double> swept = chain.tree.default_q, factorized = swept;
+    Minimizer sweep(chain.tree, chain.problem, {});
+    const Summary by_sweep = sweep.minimize(targets, swept);
+    MinimizerOptions options;
+    options.gradient = GradientKind::kJacobian;
+    Minimizer factorization(chain.tree, chain.problem, options);
+    const Summary by_factorization = factorization.minimize(targets, factorized);
+    EXPECT_TRUE(by_sweep.converged()) << by_sweep.message();
+    EXPECT_TRUE(by_factorization.converged()) << by_factorization.message();
+    EXPECT_GT(by_sweep.held, 10);
+    EXPECT_EQ(by_sweep.held, by_factorization.held);
+    EXPECT_NEAR(by_sweep.final_cost, by_factorization.final_cost,
+                1e-9 * by_factorization.final_cost);
+    for (std::size_t i = 0; i < swept.size(); ++i) EXPECT_NEAR(swept[i], factorized[i], 1e-5);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(RandomTrees, ArticulatedSweeps,

@@ -181,6 +181,7 @@ TEST(TurnChoices, LeaveOutWhatDoesMoreThanTurn) {
   model.joints[5].axes[0] = {Vector3d::UnitX(), 12, {LinearFunction{-2.0, 0.5}, 0.5}};
   model.joints[5].axes[1] = {Vector3d::UnitY(), 13, {SineFunction{}}};
   model.joints[5].axes[2] = {Vector3d::UnitZ(), 14, {PolynomialFunction{{0.0, -1.0, 0.2}}}};
+  model.joints[5].axes[3] = {Vector3d::UnitX(), 14, {ConstantFunction{0.3}}};  // shifts nothing
   clamp(model.coordinates[12], -1.0, 2.0);
   CoordinateCoupler& coupler = model.couplers.emplace_back();
   coupler.name = "coupler";

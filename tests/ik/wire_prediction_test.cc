@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "ik/minimizer.h"
-#include "ik/warm_start.h"
 #include "tests/ik/small_model.h"
 #include "tests/ik/whole_body_problem.h"
 
@@ -94,29 +93,6 @@ TEST(GaussNewton, StopsAtBoundsAndGoesOnWithTheRest) {
   EXPECT_LE(summary.iterations, 2);
   EXPECT_EQ(summary.evaluations, summary.iterations + 1);
   EXPECT_EQ(summary.held, 1);
-}
-
-// On a straight line the next frame starts at its solution; where the marker turns back it stays.
-TEST(WarmStart, GoesOnUnlessThatIsWorse) {
-  SmallProblem p;
-  add_body(p.model, 0, Joint::Kind::kSlider, "t");
-  p.tree = compile_tree(p.model);
-  p.problem.positions = {{1, Vector3d::Zero()}};
-  WarmStart warm(p.tree);
-  IkTargets targets(p.problem);
-  std::vector<double> q = {0.0};
-  const auto start_of = [&](double target) {
-    targets.positions[0] = {target, 0.0, 0.0};
-    warm.advance(p.tree, p.problem, targets, q);
-    return std::exchange(q[0], target);  // and solve it
-  };
-  EXPECT_EQ(start_of(1.0), 0.0);  // nothing before
-  EXPECT_EQ(start_of(2.0), 2.0);  // from 0 and 1
-  EXPECT_EQ(start_of(3.0), 3.0);
-  EXPECT_EQ(start_of(2.5), 3.0);  // not 4
-  EXPECT_EQ(start_of(2.0), 2.0);
-  warm.reset();
-  EXPECT_EQ(start_of(1.5), 2.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -371,7 +372,7 @@ TEST(VerdictReport, SaysWhatIsNormalAndWhatHelps) {
   EXPECT_EQ(verdict_text(judge(e), 5),
             "verdict: not usable\n"
             "  - the model's markers are beside the measured ones (RMS of all): 603 mm (normal: at "
-            "most 20 mm, Hicks et al. 2015). wrong unit, axes, model or names: `sinew check "
+            "most 20 mm, Hicks et al. 2015); wrong unit, axes, model or names: `sinew check "
             "RECORDING --model MODEL` tells\n"
             "  not to be used: angles of hip_right, hip_left; torques of hip_right, hip_left\n");
 }

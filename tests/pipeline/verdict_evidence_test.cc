@@ -1,0 +1,188 @@
+#include "pipeline/verdict_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/osim_file.h"
+#include "tests/pipeline/small_trial.h"
+
+namespace sinew {
+namespace {
+
+using Names = std::vector<std::string>;
+
+constexpr double kWeight = 48.0 * 9.80665;
+
+class Evidence : public ::testing::Test {
+ protected:
+  Evidence() {
+    SmallTrial::write(folder_);
+    model_ = read_osim(folder_.path() / "model.osim");
+  }
+
+  ExternalLoads loads() const {
+    return {model_, read_external_loads(folder_.path() / "grf.xml"),
+            read_storage(folder_.path() / "grf.mot")};
+  }
+
+  // 100 frames: `known` ones in which 0.3 of the weight hangs on the root, and 0.8 in the others;
+  // 40 N across and 7 N m everywhere.
+  static TimeTable forces(int known) {
+    TimeTable table;
+    table.labels = {"tilt_moment", "x_force", "y_force", "flexion_moment"};
+    table.time = Eigen::VectorXd::LinSpaced(100, 0.0, 0.99);
+    table.values = RowMatrix::Zero(100, 4);
+    table.values.col(0).setConstant(7.0);
+    table.values.col(1).setConstant(-40.0);
+    table.values.col(2).setConstant(0.8 * kWeight);
+    table.values.col(2).head(known).setConstant(0.3 * kWeight);
+    table.values.col(3).setConstant(1000.0);  // a muscle's, not the root's
+    return table;
+  }
+
+  TemporaryFolder folder_;
+  MusculoskeletalModel model_;
+};
+
+TEST_F(Evidence, OfTheModel) {
+  const ModelEvidence e = model_evidence(model_);
+  EXPECT_EQ(e.mass, 48.0);
+  EXPECT_FALSE(e.stands);
+  EXPECT_NEAR(e.height, 0.8, 1e-9);  // T1, 0.4 m above the hip, to L3, 0.4 m below
+  EXPECT_TRUE(e.sides.empty());
+  const std::vector<JointEvidence> joints = joint_evidence(model_);
+  ASSERT_EQ(joints.size(), 2u);
+  EXPECT_EQ(joints[0].name, "floor");
+  EXPECT_EQ(joints[0].coordinates, (Names{"tilt", "x", "y"}));
+}
+
+// Lengths from joint to joint, whatever the axes: 5 cm more on the right.
+TEST_F(Evidence, OfSegmentsOnBothSides) {
+  const auto body = [&](const char* name, int parent, const Eigen::Vector3d& p_PF) {
+    model_.bodies.emplace_back();
+    model_.bodies.back().name = name;
+    Joint joint;
+    joint.parent = parent;
+    joint.child = static_cast<int>(model_.bodies.size()) - 1;
+    joint.X_PF.p = p_PF;
+    model_.joints.push_back(joint);
+    return joint.child;
+  };
+  const int right = body("femur_r", 1, {0.0, 0.0, 0.1}),
+            left = body("femur_l", 1, {0.0, 0.0, -0.1});
+  body("tibia_r", right, {0.0, -0.45, 0.0});
+  body("tibia_l", left, {0.24, -0.32, 0.0});
+  const ModelEvidence e = model_evidence(model_);
+  ASSERT_EQ(e.sides.size(), 1u);
+  EXPECT_EQ(e.sides[0].body, "femur_r");
+  EXPECT_NEAR(e.sides[0].length, 0.45, 1e-12);
+  EXPECT_NEAR(e.sides[0].partner_length, 0.40, 1e-12);
+}
+
+TEST_F(Evidence, OfDynamicsByATable) {
+  const DynamicsEvidence e = dynamics_evidence(model_, forces(60), loads(), {});
+  EXPECT_TRUE(e.floating);
+  EXPECT_TRUE(e.loads_given);
+  EXPECT_FALSE(e.by_platforms);
+  EXPECT_NEAR(e.weight, kWeight, 1e-9);
+  EXPECT_EQ(e.frames, 100);
+  EXPECT_EQ(e.known, 60);
+  EXPECT_NEAR(e.peak_load, kWeight, 1e-6);
+  EXPECT_NEAR(e.mean_vertical_load, kWeight, 1e-6);
+  EXPECT_NEAR(e.horizontal_load_rms, 0.0, 1e-6);
+  EXPECT_NEAR(e.root.force_rms, std::hypot(40.0, 0.3 * kWeight), 1e-6);
+  EXPECT_NEAR(e.root.moment_max, 7.0, 1e-12);
+  EXPECT_NEAR(e.carried_mass, 48.0 / 1.3, 1e-6);
+  EXPECT_EQ(e.supporting, (Names{"flexion", "tilt", "x", "y"}));
+  // Where nothing is known the figures are those of all frames.
+  const DynamicsEvidence none = dynamics_evidence(model_, forces(0), loads(), {});
+  EXPECT_EQ(none.known, 0);
+  EXPECT_NEAR(none.root.force_rms, std::hypot(40.0, 0.8 * kWeight), 1e-6);
+  EXPECT_TRUE(std::isnan(none.carried_mass));
+}
+
+TEST_F(Evidence, OfDynamicsByPlatforms) {
+  LoadCoverage coverage{{"right", "left"}, {}};
+  for (int f = 0; f < 110; ++f) {
+    coverage.loads.push_back(
+        {FootLoad::kMeasured, f < 30 ? FootLoad::kNone : FootLoad::kUnmeasured});
+  }
+  // The forces begin in the coverage's frame 10.
+  const DynamicsEvidence e = dynamics_evidence(model_, forces(60), loads(), {&coverage, 10, 47.0});
+  EXPECT_TRUE(e.by_platforms);
+  EXPECT_EQ(e.known, 20);
+  EXPECT_EQ(e.carried_mass, 47.0);
+  ASSERT_EQ(e.feet.size(), 2u);
+  EXPECT_EQ(e.feet[0].complete, 100);
+  EXPECT_EQ(e.feet[1].complete, 20);
+}
+
+TEST_F(Evidence, OfLoadsThatAreNotGiven) {
+  const DynamicsEvidence e = dynamics_evidence(model_, forces(100), ExternalLoads(), {});
+  EXPECT_FALSE(e.loads_given);
+  EXPECT_TRUE(std::isnan(e.peak_load));
+  EXPECT_FALSE(e.supporting.empty());
+}
+
+TEST_F(Evidence, OfKinematics) {
+  std::string text = SmallTrial::model();
+  const std::string open = "<Coordinate name=\"flexion\"/>";
+  text.replace(text.find(open), open.size(),
+               "<Coordinate name=\"flexion\"><range>-0.2 0.3</range><clamped>true</clamped>"
+               "</Coordinate>");
+  folder_.write("model.osim", text);
+  IkInputs inputs;
+  inputs.model_file = folder_.path() / "model.osim";
+  inputs.marker_file = folder_.path() / "walk.trc";
+  const IkJob job = prepare_ik(inputs);
+  TrackingResult result;
+  result.time = Eigen::VectorXd::LinSpaced(4, 0.0, 0.03);
+  result.coordinates = RowMatrix::Zero(4, 4);
+  result.coordinates.col(3) << 0.3, 0.1, -0.2, 0.3;
+  result.marker_errors = RowMatrix::Constant(4, 6, 0.003);
+  result.marker_errors.col(1).setConstant(std::nan(""));
+  result.marker_errors(2, 0) = 0.009;
+  result.frames.resize(4);
+  for (FrameResult& frame : result.frames) {
+    frame.termination = Termination::kGradient;
+    frame.measured_markers = 5;
+    frame.marker_rms = 0.003;
+  }
+  result.frames[3].termination = Termination::kMaxIterations;
+  result.frames[3].measured_markers = 0;
+  VerdictReason open_angle;
+  open_angle.angles = {"tilt"};
+  const KinematicsEvidence e = kinematics_evidence(job, result, 0.002, {open_angle});
+  EXPECT_EQ(e.frames, 4);
+  EXPECT_EQ(e.unconverged, 1);
+  EXPECT_EQ(e.unmeasured, 1);
+  EXPECT_NEAR(e.marker_rms, 0.003, 1e-12);
+  EXPECT_EQ(e.static_rms, 0.002);
+  ASSERT_EQ(e.markers.size(), 6u);
+  EXPECT_NEAR(e.markers[0].rms, std::sqrt((3.0 * 9.0 + 81.0) / 4.0) * 1e-3, 1e-12);
+  EXPECT_NEAR(e.markers[0].max, 0.009, 1e-12);
+  EXPECT_EQ(e.markers[0].angles, (Names{"tilt", "x", "y"}));
+  EXPECT_EQ(e.markers[5].angles, (Names{"flexion"}));
+  EXPECT_EQ(e.markers[1].measured, 0);
+  ASSERT_EQ(e.coordinates.size(), 4u);
+  EXPECT_TRUE(e.coordinates[0].undetermined);
+  EXPECT_FALSE(e.coordinates[1].rotational);
+  EXPECT_NEAR(e.coordinates[3].range, 0.5, 1e-12);
+  EXPECT_NEAR(e.coordinates[3].on_bound, 0.75, 1e-12);
+}
+
+TEST_F(Evidence, OfAMotionThatLacksACoordinate) {
+  CoordinateTable motion;
+  motion.measured = {true, false, true, false};
+  EXPECT_EQ(coordinates_not_given(model_, motion), (Names{"x", "flexion"}));
+  model_.coordinates[1].locked = true;
+  CoordinateCoupler coupler;
+  coupler.dependent = 3;
+  coupler.independent = 0;
+  model_.couplers.push_back(coupler);
+  EXPECT_TRUE(coordinates_not_given(model_, motion).empty());
+}
+
+}  // namespace
+}  // namespace sinew
