@@ -109,8 +109,13 @@ class ClusterSearch {
           column < 0 ? Vector3d::Constant(kNaN) : standing_.position(0, column);
       if (from.col(static_cast<Eigen::Index>(i)).allFinite()) there.push_back(static_cast<int>(i));
     }
-    if (there.size() < 3 || width(from(Eigen::all, there)) < options.least_width) return {};
-    const Vector3d middle = from(Eigen::all, there).rowwise().mean();
+    if (there.size() < 3) return {};
+    Eigen::Matrix3Xd seen(3, static_cast<Eigen::Index>(there.size()));
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      seen.col(static_cast<Eigen::Index>(i)) = from.col(there[i]);
+    }
+    if (width(seen) < options.least_width) return {};
+    const Vector3d middle = seen.rowwise().mean();
     ClusterAttachment best;
     for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
       if (!in_question(b)) continue;
