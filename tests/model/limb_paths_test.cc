@@ -70,8 +70,11 @@ TEST(LimbPaths, WhatFloats) {
   model.joints[0].kind = Joint::Kind::kPlanar;
   model.joints[0].coordinates = {0, 1, 2};
   model.coordinates.resize(3);
-  model.coordinates[1] = {"x", 0, Coordinate::Motion::kTranslational};
-  model.coordinates[2] = {"y", 0, Coordinate::Motion::kTranslational};
+  for (std::size_t c = 1; c < 3; ++c) {
+    model.coordinates[c].name = c == 1 ? "x" : "y";
+    model.coordinates[c].joint = 0;
+    model.coordinates[c].motion = Coordinate::Motion::kTranslational;
+  }
   EXPECT_TRUE(is_floating(model));
   model.coordinates[2].locked = true;
   EXPECT_FALSE(is_floating(model));
