@@ -25,9 +25,17 @@ void print_direction_times(double batch_seconds) {
     KinematicWorkspace ws = body.workspace(1, off);
     const IkTargets targets = body.targets_at(2, off);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
-    Iterate at{body.tree, problem, &targets, ws,
-               0,         0.0,     0.0,      zero,
-               zero,      zero,    zero,     std::vector<char>(static_cast<std::size_t>(n), 0)};
+    Iterate at{body.tree,
+               problem,
+               &targets,
+               ws,
+               0,
+               0.0,
+               zero,
+               zero,
+               zero,
+               zero,
+               std::vector<char>(static_cast<std::size_t>(n), 0)};
     at.f = decomposed_gradient(body.tree, problem, targets, ws, at.g);
     int taut = 0;
     for (const WireResidual& r : problem.wires) {

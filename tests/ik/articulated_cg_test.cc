@@ -19,9 +19,17 @@ Directions both_directions(const KinematicTree& tree, const IkProblem& problem,
                            const std::vector<int>& held, double damping) {
   const int n = tree.unknown_count();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
-  Iterate at{tree, problem, &targets, ws,
-             0,    0.0,     0.0,      zero,
-             zero, zero,    zero,     std::vector<char>(static_cast<std::size_t>(n), 0)};
+  Iterate at{tree,
+             problem,
+             &targets,
+             ws,
+             0,
+             0.0,
+             zero,
+             zero,
+             zero,
+             zero,
+             std::vector<char>(static_cast<std::size_t>(n), 0)};
   at.f = decomposed_gradient(tree, problem, targets, ws, at.g);
   for (const int x : held) {
     at.held[static_cast<std::size_t>(x)] = 1;

@@ -52,7 +52,6 @@ Iterate iterate_at(const RandomProblem& p, KinematicWorkspace& ws) {
              ws,
              0,
              0.0,
-             0.0,
              Eigen::VectorXd(n),
              Eigen::VectorXd::Zero(n),
              Eigen::VectorXd::Zero(n),

@@ -47,7 +47,7 @@ TEST(WarmStart, GoesOnAsItSpedUp) {
   Slider slider;
   for (int frame = 0; frame < 10; ++frame) {
     const double start = slider.start_after(frame * frame);
-    if (frame >= 4) EXPECT_EQ(start, (frame + 1.0) * (frame + 1.0));
+    EXPECT_TRUE(frame < 4 || start == (frame + 1.0) * (frame + 1.0)) << start;
   }
 }
 
