@@ -33,6 +33,13 @@ constexpr double kExact = 1e-9;
 constexpr double kReach = 0.1, kHeldBack = 0.02;
 constexpr int kLeastStarts = 8;
 
+// So many starts are made, too, where markers are farther off than this [m, RMS]: a fit of a scaled
+// model leaves 5 to 10 mm.
+constexpr double kBadFit = 0.010;
+// Where a solved frame is looked at again, which may be many times in a trial, beyond this: what
+// Hicks et al. 2015 (J Biomech Eng 137:020905) call the most that can be accepted, and half again.
+constexpr double kWorseFit = 0.025;
+
 // How far unbounded joints turn from their default in random poses [rad], and the number that all
 // seeds start from.
 constexpr double kRandomTurn = 1.2;
@@ -325,10 +332,17 @@ bool ColdStart::agreed() {
   return agreed;
 }
 
-// Whether a bound of the best solution so far holds back much of the cost.
-bool ColdStart::is_held_back() const {
+// Whether the best solution so far fits badly, or a bound holds back much of its cost.
+bool ColdStart::is_doubtful(const IkTargets& targets, bool again) const {
   const Summary& summary = best().summary;
-  return kReach * summary.bound_push > kHeldBack * summary.final_cost;
+  if (!again && kReach * summary.bound_push > kHeldBack * summary.final_cost) return true;
+  double weight = 0.0;
+  for (std::size_t i = 0; i < problem_.positions.size(); ++i) {
+    if (targets.positions[i].hasNaN()) continue;
+    weight += position_weight(problem_, targets, i).trace() / 3.0;
+  }
+  const double limit = again ? kWorseFit : kBadFit;
+  return summary.final_cost > 0.5 * weight * limit * limit;
 }
 
 void ColdStart::search(const IkTargets& targets, std::span<const double> given, bool again) {
@@ -351,7 +365,7 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
     result_.starts = i + 1;
     result_.agreed = agreed();
     if (lowest_ <= exact_) break;
-    if (result_.agreed && (again || result_.starts >= kLeastStarts || !is_held_back())) break;
+    if (result_.agreed && (result_.starts >= kLeastStarts || !is_doubtful(targets, again))) break;
   }
   result_.lowest = lowest_;
   for (const Found& found : found_) {

@@ -119,7 +119,9 @@ TEST(ColdStart, FindsTheSameAgainWhateverItDidBefore) {
 
 TEST(ColdStart, LooksAgainWhereASolutionIsWrongAndLeavesARightOne) {
   const Walker walker = bounded_walker();
-  Minimizer single(walker.tree, walker.problem, {});
+  MinimizerOptions exact;
+  exact.gradient_tolerance = 1e-13;
+  Minimizer single(walker.tree, walker.problem, exact);
   ColdStart search(walker.tree, walker.problem, {}, {});
   int wrong = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "ik/cold_start.h"
 #include "ik/warm_start.h"
 #include "tests/ik/methods.h"
 #include "tests/ik/walker.h"
@@ -128,15 +129,15 @@ TEST(Tracking, StartsEveryFrameFromTheOnesBefore) {
   EXPECT_EQ(result.time, r.file.markers.time);
   // The same frames by hand.
   Minimizer minimizer(r.walker.tree, problem.problem, options.minimizer);
+  ColdStart cold_start(r.walker.tree, problem.problem, options.minimizer, options.cold_start);
   IkTargets targets(problem.problem);
   std::vector<double> q = r.walker.tree.default_q;
   WarmStart warm_start(r.walker.tree);
-  set_targets(problem, r.file.markers, 0, targets);
-  minimizer.minimize(targets, q);  // for the piece's start, and from it again
   for (int frame = 0; frame < 30; ++frame) {
     set_targets(problem, r.file.markers, frame, targets);
-    warm_start.advance(r.walker.tree, q);
-    const Summary& summary = minimizer.minimize(targets, q);
+    if (frame > 0) warm_start.advance(r.walker.tree, q);
+    const Summary& summary =
+        frame > 0 ? minimizer.minimize(targets, q) : cold_start.minimize(targets, q);
     const FrameResult& found = result.frames[static_cast<std::size_t>(frame)];
     EXPECT_EQ(found.iterations, summary.iterations);
     EXPECT_EQ(found.evaluations, summary.evaluations);
