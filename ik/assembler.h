@@ -80,7 +80,7 @@ struct Comparison {
 /// Solves the chosen frames by both, one thread each: ours are those of track() over the whole
 /// range, whose `seconds` are those of the descent of each frame alone; the Assembler goes from its
 /// own last solution.
-/// Costs below those of 1e-6 mm on every marker count as equal, so that
+/// Costs below those of 1e-5 mm on every marker count as equal, so that
 /// frames which both meet to rounding are not judged by their noise.
 Comparison compare_with_assembler(const MusculoskeletalModel& model, const KinematicTree& tree,
                                   const TrackingProblem& tracking,

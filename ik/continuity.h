@@ -55,7 +55,7 @@ Eigen::Vector3d other_triple(const TurnChoices& choices, const TurnTriple& tripl
 /// equal pose and cost, those nearest to the frame before (to the default pose in the first one):
 /// whole turns of one coordinate, the other triple of three successive turns, and at a pole the
 /// nearest point of the line θ₁ + σθ₃ = const. Bounds hold. Costs are equal if they differ by less
-/// than 1e-7 of them or of what 1e-6 mm on every marker makes; that counts for lines and where a
+/// than 1e-7 of them or of what 1e-5 mm on every marker makes; that counts for lines and where a
 /// task pulls at a coordinate. Changes `result.coordinates`, and of frames moved along a line cost
 /// and errors. first_frame: of the recording, where the result begins.
 ///

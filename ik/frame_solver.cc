@@ -77,7 +77,7 @@ TrackingResult empty_result(const MusculoskeletalModel& model, const TrackingPro
 double cost_noise(const TrackingProblem& tracking) {
   double sum = 0.0;
   for (const TrackedMarker& marker : tracking.markers) sum += marker.weight;
-  constexpr double kNoise = 1e-9;  // [m]
+  constexpr double kNoise = 1e-8;  // [m]
   return 0.5 * sum * kNoise * kNoise;
 }
 

@@ -142,7 +142,7 @@ TrackingResult track(const MusculoskeletalModel& model, const KinematicTree& tre
                      const TrackingProblem& tracking, const MarkerTrajectories& markers,
                      const TrackingOptions& options);
 
-/// A cost that is rounding: a distance of 1e-6 mm on every tracked marker.
+/// A cost that is rounding: a distance of 1e-5 mm on every tracked marker.
 double cost_noise(const TrackingProblem& tracking);
 
 /// Errors of the tracked markers at given coordinates, by the same rules as track(): what compares

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "model/kinematic_tree.h"
 #include "model/model_check.h"
@@ -121,6 +122,10 @@ bool is_floating(const MusculoskeletalModel& model) {
     if (shifts >= 2) return true;
   }
   return false;
+}
+
+bool stands_for_a_person(const MusculoskeletalModel& model) {
+  return is_floating(model) && std::isfinite(default_stance(model).hip);
 }
 
 }  // namespace sinew

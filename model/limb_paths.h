@@ -35,4 +35,8 @@ Stance default_stance(const MusculoskeletalModel& model);
 /// Whether nothing holds the model to ground but a joint that leaves it two shifts or more.
 bool is_floating(const MusculoskeletalModel& model);
 
+/// Whether the model stands for a person, whose size and weight are known to be within limits: it
+/// floats and has hips.
+bool stands_for_a_person(const MusculoskeletalModel& model);
+
 }  // namespace sinew

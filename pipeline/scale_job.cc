@@ -7,6 +7,7 @@
 #include "data/marker_synonyms.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
+#include "model/limb_paths.h"
 #include "model/osim_writer.h"
 #include "model/whole_body.h"
 #include "pipeline/coordinate_values.h"
@@ -152,7 +153,9 @@ ScaledModel run_scale(const ScaleJob& job) {
   if (!job.setup.name.empty()) scaled.document.rename(job.setup.name);
   if (job.setup.scaler.apply) scale_document(job, scaled);
   scaled.scaled_only = scaled.document.to_string();
-  scaled.reasons = size_reasons(scaled.document.model(), scaled.factors, {});
+  if (stands_for_a_person(scaled.document.model())) {
+    scaled.reasons = size_reasons(scaled.document.model(), scaled.factors, {});
+  }
   if (job.setup.placer.apply) place_in_document(job, scaled);
   return scaled;
 }

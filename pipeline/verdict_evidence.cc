@@ -277,7 +277,7 @@ ModelEvidence model_evidence(const MusculoskeletalModel& model) {
   evidence.mass = model.total_mass();
   const Stance stance = default_stance(model);
   evidence.height = stance.highest - stance.lowest;
-  evidence.stands = std::isfinite(stance.hip) && is_floating(model);
+  evidence.stands = stands_for_a_person(model);
   if (evidence.stands) {
     evidence.height = std::max(evidence.height, (stance.hip - stance.lowest) / limits::kHipHeight);
   }
@@ -326,13 +326,21 @@ std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingRes
 
 ScaleEvidence scale_evidence(const ScaledModel& scaled) {
   ScaleEvidence evidence;
-  for (std::size_t b = 1; b < scaled.bodies.size(); ++b) {
+  const bool person = stands_for_a_person(scaled.document.model());
+  for (std::size_t b = 1; person && b < scaled.bodies.size(); ++b) {
     const Eigen::Vector3d& f = scaled.factors.of_body[b];
     evidence.factors.push_back({scaled.bodies[b], f.minCoeff(), f.maxCoeff()});
   }
   if (scaled.placement) {
     evidence.converged = converged(scaled.placement->termination);
-    evidence.pose_rms = scaled.placement->marker_rms;
+    // As the pose was found: markers of little weight may be far off.
+    double squares = 0.0, weights = 0.0;
+    for (const PlacedMarker& m : scaled.placement->markers) {
+      if (std::isnan(m.distance)) continue;
+      squares += m.weight * m.distance * m.distance;
+      weights += m.weight;
+    }
+    evidence.pose_rms = std::sqrt(squares / weights);
     for (const PlacedMarker& m : scaled.placement->markers) {
       if (m.fate == PlacedMarker::Fate::kMoved && m.weight > 0.0) {
         evidence.moved.push_back({m.name, m.distance});
