@@ -177,10 +177,11 @@ constexpr MarkerSet kSets[] = {
 };
 
 constexpr const char* kClusters[] = {
-    "thi", "thap", "thad",          "thl",           "thr",     "th1",    "th2", "th3",      "th4",
-    "tib", "tiap", "tiad",          "sk1",           "sk2",     "sk3",    "sk4", "sh1",      "sh2",
-    "sh3", "sh4",  "shank",         "shk",           "sha",     "leg",    "upa", "upperarm", "frm",
-    "bak", "wand", "thighfrontlow", "shinfronthigh", "cluster", "forearm"};
+    "thi",     "thap",     "thad", "thl",  "thr",   "th1",           "th2",           "th3",
+    "th4",     "tib",      "tiap", "tiad", "sk1",   "sk2",           "sk3",           "sk4",
+    "sh1",     "sh2",      "sh3",  "sh4",  "shank", "shk",           "sha",           "leg",
+    "upa",     "upperarm", "frm",  "bak",  "wand",  "thighfrontlow", "shinfronthigh", "cluster",
+    "forearm", "ua1",      "ua2",  "ua3",  "tb1",   "tb2",           "tb3",           "fasuperior"};
 
 }  // namespace
 

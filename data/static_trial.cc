@@ -209,6 +209,22 @@ std::vector<VerdictReason> static_against_walk_reasons(double static_rms, double
              "--scale both fits sizes and markers to both trials")};
 }
 
+std::vector<VerdictReason> static_pose_reasons(double static_rms) {
+  constexpr double kMost = 0.02;  // [m]
+  if (!(static_rms > kMost)) return {};
+  const auto weight =
+      static_rms > 2.0 * kMost ? VerdictReason::Weight::kUnusable : VerdictReason::Weight::kRemark;
+  VerdictReason made = reason(
+      "static-pose", weight, static_rms, kMost,
+      fmt::format(
+          "the model cannot take the pose of the static trial: markers are met to {:.0f} mm "
+          "RMS only, and sizes fitted to it are not the subject's",
+          1e3 * static_rms),
+      "--scale walk leaves the static trial out; or look at its markers (--map) and joint ranges");
+  made.source = "Hicks et al. 2015";
+  return {made};
+}
+
 Finding finding_of(const VerdictReason& reason) {
   Finding finding;
   finding.severity = reason.weight == VerdictReason::Weight::kUnusable

@@ -56,6 +56,12 @@ std::vector<VerdictReason> static_trial_reasons(const MarkerTrajectories& standi
 /// together, a pose that was mistaken or joints that turn elsewhere add 10 mm and more. RMS in m.
 std::vector<VerdictReason> static_against_walk_reasons(double static_rms, double walk_rms);
 
+/// `static-pose`: a static trial whose pose the model cannot take, by the RMS of its markers when
+/// sizes and places are fitted to it [m]: above 20 mm, the most that Hicks et al. (2015, J Biomech
+/// Eng 137:020905) allow in a movement, sizes bend to the pose; above twice that nothing is left of
+/// them.
+std::vector<VerdictReason> static_pose_reasons(double static_rms);
+
 /// What one of these is to `sinew check`; its kind is the code, in words.
 Finding finding_of(const VerdictReason& reason);
 

@@ -22,6 +22,8 @@ constexpr double kTurn = 1.2;
 constexpr double kClose = 0.05;
 // Above this spread of the logarithm a distance tells of the pose only.
 constexpr double kLoose = 0.35;
+// So many pairs across one joint err together by its pose, where weights take them as independent.
+constexpr double kTogether = 20.0;
 
 struct Pair {
   int a = -1, b = -1;      // indices of the model's markers
@@ -124,7 +126,7 @@ std::vector<Pair> telling_pairs(std::vector<Pair> pairs, const MatrixXd& logs,
     pair.generic = column.mean();
     const double spread = (column - pair.generic).square().mean(),
                  misplaced = marker_offset_sd / std::exp(pair.generic);
-    pair.variance = spread + 2.0 * misplaced * misplaced;
+    pair.variance = kTogether * spread + 2.0 * misplaced * misplaced;
     if (std::exp(pair.generic) > kClose && spread < kLoose * kLoose) kept.push_back(pair);
   }
   return kept;

@@ -16,13 +16,13 @@ namespace sinew {
 /// and J how y depends on the factors there. Of a pair on one body neither depends on the pose; of
 /// others the spread over the poses adds to what misplaced markers make of it:
 ///
-///     s² = var(y over the poses) + 2 (marker_offset_sd / distance)²
+///     s² = 20 var(y over the poses) + 2 (marker_offset_sd / distance)²
 ///
-/// The answer is the minimum of Σ w (y − J θ)²/s² + θᵀ P⁻¹ θ with the priors of auto_scale(),
-/// solved three times with Huber's weights w, so that a marker that is not what its name says has
-/// little to say, and with Σ w scaled as if there were three pairs a marker: more are not
-/// independent. Deterministic; zero if no distance is measured. O(poses · factors · (bodies +
-/// pairs)), with 4000 pairs at most.
+/// twenty because all pairs across one joint err together. The answer is the minimum of
+/// Σ w (y − J θ)²/s² + θᵀ P⁻¹ θ with the priors of auto_scale(), solved three times with Huber's
+/// weights w, so that a marker that is not what its name says has little to say, and with Σ w
+/// scaled as if there were three pairs a marker: more are not independent. Deterministic; zero if
+/// no distance is measured. O(poses · factors · (bodies + pairs)), with 4000 pairs at most.
 Eigen::VectorXd sizes_from_distances(const MusculoskeletalModel& model,
                                      const AutoScaleParameters& parameters,
                                      const std::vector<FrameSample>& samples,

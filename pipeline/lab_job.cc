@@ -153,7 +153,10 @@ class Preparation {
                      job_.ik.threads, folder_ / kModel, log_, warnings_);
     note(settled.reasons);
     if (settled.fit && settled.fit->trials.size() == 2) {
+      note(static_pose_reasons(settled.fit->trials[0].rms));
       note(static_against_walk_reasons(settled.fit->trials[0].rms, settled.fit->trials[1].rms));
+    } else if (settled.fit && settled.by == "static") {
+      note(static_pose_reasons(settled.fit->rms_after));
     }
     model_ = std::move(settled.model);
     job_.fit = std::move(settled.fit);

@@ -222,12 +222,12 @@ SettledModel settle_model(const GenericModel& generic, const MarkerFile& walk,
       log.settle_text(scaling_decision(generic, standing != nullptr, options, mass.has_value()));
   if (by == "none") {
     write_file_atomically(file, read_file(generic.file));
-    return {read_osim(file), mass, {}, {}};
+    return {read_osim(file), by, mass, {}, {}};
   }
   if (by == "mass") {
     if (!mass) throw std::invalid_argument("scaling by mass needs --mass");
     write_file_atomically(file, scale_by_mass(generic, *mass, warnings));
-    return {read_osim(file), mass, {}, {}};
+    return {read_osim(file), by, mass, {}, {}};
   }
   require_inputs(by, standing, options);
   std::vector<MarkerFile> trials;
@@ -240,7 +240,7 @@ SettledModel settle_model(const GenericModel& generic, const MarkerFile& walk,
   set_mass(scaled, mass);
   if (scaled.automatic) fmt::print("{}\n", quality(*scaled.automatic));
   write_file_atomically(file, scaled.document.to_string());
-  return {read_osim(file), mass, std::move(scaled.automatic), std::move(scaled.reasons)};
+  return {read_osim(file), by, mass, std::move(scaled.automatic), std::move(scaled.reasons)};
 }
 
 }  // namespace sinew

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "data/force_platform.h"
@@ -32,6 +33,7 @@ GenericModel generic_model(const std::string& name, const SubjectParameters& ent
 /// The subject's model, and how it was made.
 struct SettledModel {
   MusculoskeletalModel model;          // as it is read back from its file
+  std::string by;                      // what it is scaled by: the decision `scaling`
   std::optional<double> mass;          // that was settled [kg]; none: the model's own
   std::optional<AutoScaleResult> fit;  // where markers were fitted
   std::vector<VerdictReason> reasons;  // of sizes and markers at their limits

@@ -96,7 +96,7 @@ TEST(StaticTrial, NothingMeasuredIsNothingFound) {
   MarkerTrajectories nothing = person(1.0, 0.0, 0.0);
   nothing.p_WM.setConstant(std::nan(""));
   EXPECT_EQ(codes(static_trial_reasons(nothing, person(1.0, 0.5, 1.2))), "");
-  EXPECT_EQ(codes(static_trial_reasons(person(1.0, 0.5, 1.2), nothing)), "");
+  EXPECT_EQ(codes(static_trial_reasons(person(1.0, 0.5, 1.2), nothing)), "static-moves ");
   nothing.p_WM.resize(0, 24);
   nothing.time.resize(0);
   EXPECT_EQ(codes(static_trial_reasons(nothing, nothing)), "");
@@ -111,6 +111,14 @@ TEST(StaticTrial, AWalkThatTheModelDoesNotMeetIsNamed) {
   EXPECT_EQ(reasons[0].text,
             "markers are met to 0.6 mm RMS in the static trial but to 15.3 mm in the walk");
   EXPECT_NEAR(reasons[0].figure, 14.7, 1e-9);
+}
+
+TEST(StaticTrial, APoseThatTheModelCannotTakeIsNamed) {
+  EXPECT_TRUE(static_pose_reasons(0.0129).empty());
+  EXPECT_TRUE(static_pose_reasons(std::nan("")).empty());
+  ASSERT_EQ(codes(static_pose_reasons(0.025)), "static-pose ");
+  EXPECT_EQ(static_pose_reasons(0.025)[0].weight, VerdictReason::Weight::kRemark);
+  EXPECT_EQ(static_pose_reasons(0.0559)[0].weight, VerdictReason::Weight::kUnusable);
 }
 
 TEST(MassUnit, PoundsAndNewtonsAreFoundByThePlatforms) {
