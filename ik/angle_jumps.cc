@@ -66,8 +66,7 @@ VerdictReason make_reason(const MusculoskeletalModel& model, const Eigen::Vector
   reason.unit = "°";
   reason.source = "Sinew";
   reason.remedy =
-      "look at the markers there; near a pole of the joint, where two of its angles are determined "
-      "only together, nothing but another order of its axes helps";
+      "look at the markers there; if the joint is near its pole, another order of its axes helps";
   reason.angles = {coordinate.name};
   const std::vector<bool> chain = chain_of(model, joint.child);
   for (const Coordinate& each : model.coordinates) {

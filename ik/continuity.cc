@@ -29,9 +29,10 @@ constexpr double kWorthLooking = 0.1;  // [rad]
 constexpr double kNearer = 1e-9;
 
 // Moving along a pole's line by t turns the body by t sin(θ₂ − φ) or less. Beyond these no cost
-// stays equal: a turn of 1e-3 is a tenth of a millimetre on a marker 0.1 m away. Steps that are
-// small anyway stay as they are.
-constexpr double kNearPole = 0.02, kLineTurn = 1e-3, kWorthSliding = 1e-2;
+// stays equal: a turn of 1e-3 is a tenth of a millimetre on a marker 0.1 m away. Small steps stay
+// as they are: moved as far as the cost stays equal, a smooth passage would stick at the pole and
+// slip.
+constexpr double kNearPole = 0.02, kLineTurn = 1e-3;
 
 // Of the way that the quadratic growth of the cost allows: its higher powers are not known.
 constexpr double kShyOfEqual = 0.9;
@@ -331,7 +332,7 @@ class Continuation {
     high = std::min(high, first.upper - now[0] - kTurn * k);
     if (!(low <= high)) return;
     const double t = std::clamp(0.5 * (d1 - kTurn * k - sigma * d3), low, high);
-    if (std::abs(t) < kWorthSliding || std::abs(t) * sine > kLineTurn) return;
+    if (std::abs(t) < kWorthLooking || std::abs(t) * sine > kLineTurn) return;
     slide(triple, t, sigma, k);
   }
 

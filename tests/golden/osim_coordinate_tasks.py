@@ -10,6 +10,7 @@ in degrees, lengths in metres, values of tasks in radians, as OpenSim takes them
 """
 
 import json
+import math
 import os
 import sys
 import tempfile
@@ -77,12 +78,12 @@ def write_markers(source, path, hidden):
 
 
 def write_coordinates(path, times):
-    """Values of hip_flexion_l, which the test computes likewise."""
+    """Values of hip_flexion_l, which the test computes likewise; OpenSim takes them for degrees."""
     with open(path, "w", encoding="utf-8") as file:
-        file.write(f"Coordinates\nversion=1\nnRows={COUNT}\nnColumns=2\ninDegrees=no\nendheader\n")
+        file.write(f"Coordinates\nversion=1\nnRows={COUNT}\nnColumns=2\ninDegrees=yes\nendheader\n")
         file.write("time\thip_flexion_l\n")
         for i, time in enumerate(times):
-            file.write(f"{time!r}\t{0.2 + 0.1 * i!r}\n")
+            file.write(f"{time!r}\t{math.degrees(0.2 + 0.1 * i)!r}\n")
 
 
 def solve(folder, tasks, hidden, name):

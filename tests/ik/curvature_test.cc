@@ -87,7 +87,8 @@ void add_coordinate_curvature(const RandomProblem& p, const KinematicWorkspace& 
       v = p.tree.couplings[static_cast<std::size_t>(c)].independent_v;
     }
     const int x = p.tree.unknown_of_v[static_cast<std::size_t>(v)];
-    if (x >= 0) H(x, x) += p.problem.coordinates[i].weight * slope * slope;
+    if (x >= 0)
+      H(x, x) += p.targets.coordinate_scales[i] * p.problem.coordinates[i].weight * slope * slope;
   }
 }
 

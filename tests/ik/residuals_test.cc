@@ -144,7 +144,8 @@ class ExplicitGradient {
     }
     const int x = p_.tree.unknown_of_v[static_cast<std::size_t>(v)];
     if (x < 0) return;
-    g_[x] += slope * r.weight * (ws_.q[static_cast<std::size_t>(r.q)] - p_.targets.coordinates[i]);
+    const double weight = p_.targets.coordinate_scales[i] * r.weight;
+    g_[x] += slope * weight * (ws_.q[static_cast<std::size_t>(r.q)] - p_.targets.coordinates[i]);
   }
 
   const RandomProblem& p_;

@@ -537,7 +537,9 @@ TEST(BindRecording, PullsCoordinatesToDefaultGivenAndFileValues) {
     set_targets(problem, r.file.markers, frame, targets);
     EXPECT_EQ(targets.coordinates, (std::vector<double>{0.25, -0.5, values(frame, 11)}));
   }
-  EXPECT_EQ(problem.problem.coordinates[2].weight, 4.0);
+  // Beside the mean of the markers: times the sum of their weights.
+  EXPECT_EQ(problem.problem.coordinates[2].weight,
+            4.0 * static_cast<double>(r.walker.model.markers.size()));
   EXPECT_EQ(problem.problem.coordinates[2].q, r.walker.tree.q_of_coordinate[11]);
 }
 
