@@ -34,6 +34,8 @@ constexpr double kLeastWidth = 0.01;
 constexpr int kCutsASide = 4;
 // A step takes a second: skin has moved all that it will [s].
 constexpr double kLongestCut = 1.0;
+// A foot is on the ground or off it for longer [s].
+constexpr double kShortestCut = 0.25;
 // Frames looked at in a rigid cut.
 constexpr int kFramesACut = 10;
 
@@ -306,8 +308,21 @@ double GapPredictor::spline_error(const MarkerGap& gap) const {
 }
 
 double GapPredictor::rigid_error(const MarkerGap& gap, const std::vector<int>& helpers) const {
-  const int longest = std::max(1, static_cast<int>(std::lround(kLongestCut * measured_.rate)));
-  const int count = std::min(gap.count, longest), step = std::max(1, count / kFramesACut);
+  const auto frames_in = [&](double seconds) {
+    return std::max(1, static_cast<int>(std::lround(seconds * measured_.rate)));
+  };
+  const int most = std::min(gap.count, frames_in(kLongestCut));
+  // Where the marker is nowhere measured for so long, shorter cuts say more than nothing.
+  const int fewest = std::min(most, frames_in(kShortestCut));
+  for (int count = most;; count = std::max(fewest, count / 2)) {
+    const double error = rigid_error_of_cuts(gap, helpers, count);
+    if (!std::isnan(error) || count == fewest) return error;
+  }
+}
+
+double GapPredictor::rigid_error_of_cuts(const MarkerGap& gap, const std::vector<int>& helpers,
+                                         int count) const {
+  const int step = std::max(1, count / kFramesACut);
   double squares = 0.0;
   int frames = 0;
   for (const MarkerGap& cut : measured_alike(gap, count)) {

@@ -32,9 +32,10 @@ class GapPredictor {
   /// a marker that is measured in fewer than ten frames.
   std::optional<GapPrediction> rigidly(const MarkerGap& gap);
 
-  /// RMS distance of the same prediction, in gaps as long (a rigid one's of a second at most), from
-  /// what was measured: up to four such gaps before `gap` and four behind it, the nearest that the
-  /// marker was measured in. NaN where there is none [m].
+  /// RMS distance of the same prediction, in gaps as long (a rigid one's of a second at most, and
+  /// shorter ones, down to a quarter, where none is measured for so long), from what was measured:
+  /// up to four such gaps before `gap` and four behind it, the nearest that the marker was measured
+  /// in. NaN where there is none [m].
   double spline_error(const MarkerGap& gap) const;
   double rigid_error(const MarkerGap& gap, const std::vector<int>& helpers) const;
 
@@ -54,6 +55,8 @@ class GapPredictor {
   std::vector<MarkerGap> measured_alike(const MarkerGap& gap, int count) const;
   Sides sides_of(const MarkerGap& gap) const;
   int measured_count(int marker) const;
+  double rigid_error_of_cuts(const MarkerGap& gap, const std::vector<int>& helpers,
+                             int count) const;
   std::optional<GapPrediction> carried(const MarkerGap& gap, Sides sides,
                                        const std::vector<int>& helpers, int step = 1) const;
 

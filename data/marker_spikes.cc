@@ -119,23 +119,26 @@ class MarkerScan {
   // Samples from i on that are a spike; 0 if none are.
   int spike_at(int i) const {
     if (gap_before(i)) return spike_at_beginning(i);
-    if (!whole(i - 2, i)) return 0;
-    const Vector3d v = p(i - 1) - p(i - 2);
+    const bool two_before = whole(i - 2, i);
+    const Vector3d v = two_before ? Vector3d(p(i - 1) - p(i - 2)) : Vector3d::Zero();
     if ((p(i) - p(i - 1) - v).norm() < options_.least) return 0;
     const int most = std::max(1, static_cast<int>(std::lround(options_.longest * markers_.rate)));
-    for (int n = 1; n <= most && whole(i - 2, i + n - 1); ++n) {
+    for (int n = 1; n <= most && whole(i - 1, i + n - 1); ++n) {
       const bool ends = i + n >= count() || !whole(i, i + n);
-      if (ends) return n <= kLongestEnd && leaves_for_good(i, n) ? n : 0;
-      if (whole(i - 2, i + n + 1) && comes_back(i, n)) return n;
+      if (ends) return two_before && n <= kLongestEnd && leaves_for_good(i, n) ? n : 0;
+      if (comes_back(i, n)) return n;
     }
     return 0;
   }
 
   // Whether samples i … i + n − 1 are off the bridge (cubic, of Hermite) from i − 1 to i + n, and
-  // the bridge closes.
+  // the bridge closes. Where one end has a single sample, it goes as fast as the other.
   bool comes_back(int i, int n) const {
+    const bool two_before = whole(i - 2, i - 1), two_behind = whole(i + n, i + n + 1);
+    if (!two_before && !two_behind) return false;
     const Vector3d a = p(i - 1), b = p(i + n);
-    const Vector3d va = a - p(i - 2), vb = p(i + n + 1) - b;
+    const Vector3d va = two_before ? Vector3d(a - p(i - 2)) : Vector3d(p(i + n + 1) - b);
+    const Vector3d vb = two_behind ? Vector3d(p(i + n + 1) - b) : va;
     const double h = n + 1.0;
     double nearest = std::numeric_limits<double>::infinity();
     for (int k = 0; k < n; ++k) {
@@ -144,9 +147,10 @@ class MarkerScan {
           r * r * (1.0 + 2.0 * s) * a + s * s * (1.0 + 2.0 * r) * b + h * s * r * (r * va - s * vb);
       nearest = std::min(nearest, (p(i + k) - bridge).norm());
     }
-    if (nearest < options_.least) return false;
+    const double times = two_before && two_behind ? 1.0 : kEndTimes;
+    if (nearest < times * options_.least) return false;
     const double closing = (b - a - 0.5 * h * (va + vb)).norm();
-    return closing <= kClosing * nearest && nearest >= least(i, i + n - 1);
+    return closing <= kClosing * nearest && nearest >= times * least(i, i + n - 1);
   }
 
   bool leaves_for_good(int i, int n) const {

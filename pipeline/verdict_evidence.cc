@@ -65,11 +65,11 @@ std::vector<MarkerEvidence> marker_evidence(const IkJob& job, const TrackingResu
 }
 
 double filled_share(const IkJob& job) {
-  const RowMatrix& scales = job.tracking.marker_scales;
-  if (scales.size() == 0) return 0.0;
+  const auto& filled = job.tracking.filled;
+  if (filled.size() == 0) return 0.0;
   const auto part =
-      scales.middleRows(job.options.first_frame, job.options.end_frame - job.options.first_frame);
-  return static_cast<double>((part.array() < 1.0).count()) / static_cast<double>(part.size());
+      filled.middleRows(job.options.first_frame, job.options.end_frame - job.options.first_frame);
+  return static_cast<double>(part.count()) / static_cast<double>(part.size());
 }
 
 CoordinateEvidence coordinate_evidence(const MusculoskeletalModel& model, int c,
