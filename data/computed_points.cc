@@ -159,6 +159,8 @@ class Geometry {
     for (int a = 0; a < n; ++a) {
       for (int b = 0; b < a; ++b) {
         if (a == point || b == point || at(a, b).mean < kSame) continue;
+        if (!named[static_cast<std::size_t>(a)].empty()) break;
+        if (!named[static_cast<std::size_t>(b)].empty()) continue;
         if (off_the_line(markers_, point, a, b, frames_) < kBetween) {
           return "computed: it lies between " + markers_.names[static_cast<std::size_t>(b)] +
                  " and " + markers_.names[static_cast<std::size_t>(a)] + " to 0.05 mm";

@@ -92,6 +92,10 @@ constexpr MarkerSetRow kSportsMidline[] = {{"sacr", "waistback"}};
 constexpr MarkerSetRow kLateralApart[] = {
     {"kne", "lkn"}, {"knm", "mkn"}, {"ttc", "tub"}, {"ank", "lma"}, {"med", "ank"}};
 
+// Beside bars and two markers at the knee, names of joints are centres that were computed.
+constexpr MarkerSetRow kBars[] = {
+    {"hjc", "hip"}, {"kjc", "knee kne"}, {"ajc", "ankle ank"}, {"ank", "mall"}};
+
 // Key points are centres of joints, not epicondyles and malleoli, whatever they are called.
 constexpr MarkerSetRow kKeyPoints[] = {{"sjc", "shoulder"}, {"ejc", "elbow"}, {"wjc", "wrist"},
                                        {"hjc", "hip"},      {"kjc", "knee"},  {"ajc", "ankle"},
@@ -165,6 +169,12 @@ constexpr MarkerSet kSets[] = {
      {},
      "lkn mkn lma tub",
      3},
+    {"bars, and joints' centres",
+     "c3d.org, sample 28: standing.C3D, by the places of its markers",
+     kBars,
+     {},
+     "bar1 bar2 knee1 knee2 kne1 kne2 hip",
+     4},
     {"Qualisys sports", "Qualisys, Sports Marker Set of QTM", kSports, kSportsMidline},
     {"key points of OpenPose, COCO and Halpe",
      "Cao et al. 2021, IEEE TPAMI 43:172-186 (BODY_25); Lin et al. 2014, ECCV (COCO)",

@@ -92,8 +92,10 @@ class Candidate {
     }
     find_best();
     if (result_.body < 0) return ended(MarkerAttachment::Fate::kLoose);
+    if (std::min(result_.spread, places_[0].spread) > options_.most_spread) {
+      return ended(MarkerAttachment::Fate::kLoose);
+    }
     if (!exceeds(places_[0].spread)) return ended(MarkerAttachment::Fate::kStill);
-    if (result_.spread > options_.most_spread) return ended(MarkerAttachment::Fate::kLoose);
     if (result_.next_body >= 0 && !exceeds(result_.next_spread)) {
       return ended(MarkerAttachment::Fate::kAmbiguous);
     }

@@ -17,6 +17,8 @@ using Eigen::Vector3d;
 
 // So that 99 % of a turn is made up for, and a joint's own bound still holds.
 constexpr double kUprightOverPosture = 100.0;
+// Tighter than a frame's own: what is left would shake the trunk from frame to frame.
+constexpr double kTolerance = 1e-12;
 // Half a stride: turns of the pelvis within it cancel. Strides of walking take 1.0 to 1.2 s (Perry
 // & Burnfield 2010, ch. 1).
 constexpr double kHalfStride = 0.55;  // [s]
@@ -63,11 +65,7 @@ class UprightSolver {
     solved_ = track(model_, tree_, tracking_, markers_, options);
     if (solved_.stopped) return {};
     find_headings();
-    for (const int top : tops_) {
-      tracking_.problem.orientations.push_back(
-          {top, Eigen::Matrix3d::Identity(),
-           kUprightOverPosture * posture_weight * Eigen::Matrix3d::Identity()});
-    }
+    hold(posture_weight);
     solve_frames(options);
     return std::move(posture_);
   }
@@ -182,25 +180,56 @@ class UprightSolver {
     return facing.middleCols(frame - half, 2 * half + 1).rowwise().sum();
   }
 
+  bool is_open(int coordinate) const {
+    return std::find(posture_.coordinates.begin(), posture_.coordinates.end(), coordinate) !=
+           posture_.coordinates.end();
+  }
+
+  // The second problem: tops upright, open coordinates near their defaults. All others are locked
+  // where the markers have them: these resist a turn of the pelvis no more than a spine does.
+  void hold(double posture_weight) {
+    MusculoskeletalModel held = model_;
+    for (std::size_t c = 0; c < model_.coordinates.size(); ++c) {
+      const int v = tree_.v_of_coordinate[c];
+      if (tree_.unknown_of_v[static_cast<std::size_t>(v)] < 0) continue;
+      held.coordinates[c].locked = !is_open(static_cast<int>(c));
+    }
+    held_ = compile_tree(held);
+    for (const int top : tops_) {
+      problem_.orientations.push_back(
+          {top, Eigen::Matrix3d::Identity(),
+           kUprightOverPosture * posture_weight * Eigen::Matrix3d::Identity()});
+    }
+    for (std::size_t i = 0; i < posture_.coordinates.size(); ++i) {
+      const auto c = static_cast<std::size_t>(posture_.coordinates[i]);
+      problem_.coordinates.push_back(
+          {held_.q_of_coordinate[c], held_.v_of_coordinate[c], posture_weight});
+    }
+  }
+
   void solve_frames(const TrackingOptions& options) {
     const int frames = markers_.frame_count();
     posture_.values.resize(frames, static_cast<Eigen::Index>(posture_.coordinates.size()));
-    Minimizer minimizer(tree_, tracking_.problem, options.minimizer);
-    IkTargets targets(tracking_.problem);
+    MinimizerOptions exact = options.minimizer;
+    exact.gradient_tolerance = kTolerance;
+    Minimizer minimizer(held_, problem_, exact);
+    IkTargets targets(problem_);
+    for (std::size_t i = 0; i < posture_.coordinates.size(); ++i) {
+      targets.coordinates[i] = tree_.default_q[q_of(i)];
+    }
     KinematicWorkspace ws(tree_);
-    std::vector<double> open_values;  // of the frame before
+    std::vector<double> before;  // open coordinates of the frame before
     for (int f = 0; f < frames; ++f) {
       set_pose(f, ws);
-      for (std::size_t i = 0; i < open_values.size(); ++i) ws.q[q_of(i)] = open_values[i];
-      set_targets(tracking_, markers_, f, targets);
+      for (std::size_t i = 0; i < before.size(); ++i) ws.q[q_of(i)] = before[i];
       for (std::size_t i = 0; i < tops_.size(); ++i) {
         targets.orientations[i] = R_[i][static_cast<std::size_t>(f)];
       }
       minimizer.minimize(targets, ws.q);
-      open_values.resize(posture_.coordinates.size());
-      for (std::size_t i = 0; i < open_values.size(); ++i) {
-        open_values[i] = ws.q[q_of(i)];
-        posture_.values(f, static_cast<Eigen::Index>(i)) = open_values[i];
+      before.resize(posture_.coordinates.size());
+      for (std::size_t i = 0; i < before.size(); ++i) {
+        before[i] = ws.q[q_of(i)];
+        posture_.values(f, static_cast<Eigen::Index>(i)) = before[i];
       }
     }
   }
@@ -216,6 +245,8 @@ class UprightSolver {
   TrackingProblem tracking_;
   Vector3d up_;
   std::vector<int> tops_, carriers_;
+  KinematicTree held_;
+  IkProblem problem_;
   std::vector<std::vector<Eigen::Matrix3d>> R_;  // tops × frames
   TrackingResult solved_;
   UprightPosture posture_;

@@ -22,10 +22,10 @@ struct UprightPosture {
 /// else carries them and has markers, faces on the average over a stride. Coordinates that markers
 /// leave undetermined on the way there are found by least squares with
 ///     w_u Σ_s |log(R^d_s R_sᵀ)|² + w_p Σ_c (q_c − q0_c)²
-/// beside the markers, s the topmost body of trunk and head, w_p = posture_weight and w_u = 100
-/// w_p: what is turned between several joints is shared evenly. Empty where trunk and head have
-/// markers or nothing leaves them open. Frames are all of the recording; `tasks` are what is
-/// tracked, with the posture's tasks. Time: two inverse kinematics.
+/// with all others as the markers have them, s the topmost body of trunk and head, w_p =
+/// posture_weight and w_u = 100 w_p: what is turned between several joints is shared evenly. Empty
+/// where trunk and head have markers or nothing leaves them open. Frames are all of the recording;
+/// `tasks` are what is tracked, with the posture's tasks. Time: two inverse kinematics.
 UprightPosture upright_posture(const MusculoskeletalModel& model, const KinematicTree& tree,
                                const MarkerFile& recording, const IkTaskSet& tasks,
                                double posture_weight, const TrackingOptions& options);

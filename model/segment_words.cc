@@ -26,10 +26,12 @@ constexpr Part kParts[] = {
     {"trunk", "clavicle"},     {"upper arm", "humer"},  {"upper arm", "upper_arm"},
     {"upper arm", "upperarm"}, {"forearm", "ulna"},     {"forearm", "radius"},
     {"forearm", "forearm"},    {"hand", "hand"},        {"hand", "carp"},
-    {"hand", "finger"},        {"hand", "thumb"},       {"head", "skull"},
-    {"head", "head"},          {"head", "cervical"},    {"trunk", "torso"},
-    {"trunk", "thorax"},       {"trunk", "trunk"},      {"trunk", "lumbar"},
-    {"trunk", "sternum"},      {"trunk", "abdomen"},    {"trunk", "spine"}};
+    {"hand", "finger"},        {"hand", "index"},       {"hand", "middle"},
+    {"hand", "ring"},          {"hand", "little"},      {"hand", "thumb"},
+    {"head", "skull"},         {"head", "head"},        {"head", "cervical"},
+    {"trunk", "torso"},        {"trunk", "thorax"},     {"trunk", "trunk"},
+    {"trunk", "lumbar"},       {"trunk", "sternum"},    {"trunk", "abdomen"},
+    {"trunk", "spine"}};
 
 // Vertebrae: L1 to L5, T1 to T12, C1 to C7, of any case.
 const char* vertebra_part(std::string_view name) {

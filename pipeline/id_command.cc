@@ -76,7 +76,9 @@ struct IdCommand {
     const MusculoskeletalModel description = read_osim(model);
     report(warnings, description.warnings);
     const TimeTableFile motion_file = read_storage(coordinates);
-    const std::vector<std::string> undetermined = undetermined_in(motion_file.table);
+    std::vector<std::string> undetermined = undetermined_in(motion_file.table);
+    std::erase_if(undetermined,
+                  [&](const std::string& name) { return description.find_coordinate(name) < 0; });
     const CoordinateTable motion = coordinate_table(description, motion_file);
     report(warnings, motion.warnings);
     IdJob job = prepare_id(description, dynamics, setup_cutoff, threads, warnings);

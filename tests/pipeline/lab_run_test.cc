@@ -355,7 +355,7 @@ TEST_F(LabRun, ForeignNamesFindTheirMarkers) {
   EXPECT_EQ(map["Anna:Shoe tip"], "RTOE");
   EXPECT_FALSE(map.contains("Anna:C7"));
   EXPECT_TRUE(holds(outcome.err,
-                    "1 recorded markers are not the model's and are not tracked: "
+                    "1 recorded markers have no name that the model knows: "
                     "Anna:C7"))
       << outcome.err;
   EXPECT_TRUE(holds(outcome.err,
