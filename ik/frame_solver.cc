@@ -84,7 +84,7 @@ FrameSolver::FrameSolver(const KinematicTree& tree, const TrackingProblem& track
       options_(options),
       minimizer_(tree, tracking.problem, options.minimizer),
       targets_(tracking.problem),
-      warm_start_(tree) {}
+      warm_start_(tree, tracking.problem) {}
 
 void FrameSolver::ask(int frame, std::vector<double>& q) {
   set_targets(tracking_, markers_, options_.first_frame + frame, targets_);
@@ -98,7 +98,7 @@ ColdStart& FrameSolver::cold() {
 
 const Summary& FrameSolver::solve(int frame, std::vector<double>& q) {
   set_targets(tracking_, markers_, options_.first_frame + frame, targets_);
-  warm_start_.advance(tree_, q);
+  warm_start_.advance(tree_, targets_, q);
   prescribe(tree_, markers_.time[options_.first_frame + frame], q);
   solved_ = &minimizer_.workspace();
   return minimizer_.minimize(targets_, q);

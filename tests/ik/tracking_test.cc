@@ -130,12 +130,12 @@ TEST(Tracking, StartsEveryFrameFromTheOnesBefore) {
   Minimizer minimizer(r.walker.tree, problem.problem, options.minimizer);
   IkTargets targets(problem.problem);
   std::vector<double> q = r.walker.tree.default_q;
-  WarmStart warm_start(r.walker.tree);
+  WarmStart warm_start(r.walker.tree, problem.problem);
   set_targets(problem, r.file.markers, 0, targets);
   minimizer.minimize(targets, q);  // for the piece's start, and from it again
   for (int frame = 0; frame < 30; ++frame) {
     set_targets(problem, r.file.markers, frame, targets);
-    warm_start.advance(r.walker.tree, q);
+    warm_start.advance(r.walker.tree, targets, q);
     const Summary& summary = minimizer.minimize(targets, q);
     const FrameResult& found = result.frames[static_cast<std::size_t>(frame)];
     EXPECT_EQ(found.iterations, summary.iterations);
