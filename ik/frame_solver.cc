@@ -25,11 +25,6 @@ void measure_wires(const TrackingProblem& tracking, const KinematicWorkspace& ws
   }
 }
 
-bool nothing_is_measured(const IkTargets& targets) {
-  return std::all_of(targets.positions.begin(), targets.positions.end(),
-                     [](const Eigen::Vector3d& p) { return p.hasNaN(); });
-}
-
 }  // namespace
 
 void measure_frame(const TrackingProblem& tracking, const IkTargets& targets,
@@ -89,7 +84,7 @@ FrameSolver::FrameSolver(const KinematicTree& tree, const TrackingProblem& track
       options_(options),
       minimizer_(tree, tracking.problem, options.minimizer),
       targets_(tracking.problem),
-      warm_start_(tree) {}
+      warm_start_(tree, tracking.problem) {}
 
 void FrameSolver::ask(int frame, std::vector<double>& q) {
   set_targets(tracking_, markers_, options_.first_frame + frame, targets_);
@@ -103,11 +98,7 @@ ColdStart& FrameSolver::cold() {
 
 const Summary& FrameSolver::solve(int frame, std::vector<double>& q) {
   set_targets(tracking_, markers_, options_.first_frame + frame, targets_);
-  if (nothing_is_measured(targets_)) {
-    warm_start_.reset();  // the pose stays rather than going on by itself
-  } else {
-    warm_start_.advance(tree_, q);
-  }
+  warm_start_.advance(tree_, targets_, q);
   prescribe(tree_, markers_.time[options_.first_frame + frame], q);
   solved_ = &minimizer_.workspace();
   return minimizer_.minimize(targets_, q);

@@ -221,8 +221,9 @@ bool GaussNewton::tries_newton() const {
 
 // The minimum of Newton's model, unless it is Gauss-Newton's that serves.
 bool GaussNewton::minimize_newton(const Iterate& at, Eigen::Ref<Eigen::VectorXd> d) {
-  if (!minimize_model(at, true, d)) return false;
-  return model_ != NewtonModel::kNearMinimum || d_.cwiseAbs().maxCoeff() < kSmallStep;
+  const bool definite = minimize_model(at, true, d);
+  if (model_ != NewtonModel::kNearMinimum) return definite;
+  return near_ = definite && d_.cwiseAbs().maxCoeff() < kSmallStep;
 }
 
 bool GaussNewton::holds_same(const Iterate& at) const {
@@ -283,7 +284,8 @@ bool GaussNewton::correct(const Iterate& at, const KinematicWorkspace& trial,
 void GaussNewton::learn(double accepted_length, double actual_decrease) {
   const double ratio = expected_ > 0.0 ? actual_decrease / expected_ : 0.0;
   repeatable_ = repeatable_ && accepted_length == 1.0;
-  near_ = accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 &&
+  // Where wires leave much to be held weakly, Newton's matrix is often not definite: one attempt.
+  near_ = (near_ || force_.empty()) && accepted_length == 1.0 && ratio > 0.0 && d_.size() > 0 &&
           d_.cwiseAbs().maxCoeff() < kSmallStep;
   if (accepted_length == 1.0 && ratio > 0.0) {
     const double r = 2.0 * ratio - 1.0;

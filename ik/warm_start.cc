@@ -1,6 +1,7 @@
 #include "ik/warm_start.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sinew {
 namespace {
@@ -14,8 +15,25 @@ constexpr double kWorthIt = 0.7;
 
 }  // namespace
 
-WarmStart::WarmStart(const KinematicTree& tree)
-    : histories_(static_cast<std::size_t>(tree.unknown_count())) {}
+WarmStart::WarmStart(const KinematicTree& tree, const IkProblem& problem)
+    : histories_(static_cast<std::size_t>(tree.unknown_count())),
+      measured_(problem.positions.size() + problem.orientations.size() + problem.distances.size(),
+                0) {}
+
+// Whether something is not measured any more, and what is now.
+bool WarmStart::misses_some(const IkTargets& targets) {
+  bool misses = false;
+  auto before = measured_.begin();
+  const auto note = [&](double value) {
+    const bool now = !std::isnan(value);
+    misses = misses || (*before && !now);
+    *before++ = now;
+  };
+  for (const Eigen::Vector3d& p : targets.positions) note(p.x());
+  for (const Eigen::Matrix3d& R : targets.orientations) note(R(0, 0));
+  for (const double length : targets.distances) note(length);
+  return misses;
+}
 
 double WarmStart::extrapolate(const History& h, int order) {
   switch (order) {
@@ -36,7 +54,8 @@ int WarmStart::best_order(const History& h) const {
   return best;
 }
 
-void WarmStart::advance(const KinematicTree& tree, std::vector<double>& q) {
+void WarmStart::advance(const KinematicTree& tree, const IkTargets& targets,
+                        std::vector<double>& q) {
   for (std::size_t x = 0; x < histories_.size(); ++x) {
     const int entry = tree.q_of_v[static_cast<std::size_t>(tree.unknown_v[x])];
     if (entry < 0) continue;
@@ -54,6 +73,10 @@ void WarmStart::advance(const KinematicTree& tree, std::vector<double>& q) {
     h.past[0] = value;
   }
   known_ = std::min(known_ + 1, kOrders + 1);
+  if (misses_some(targets)) {
+    known_ = 1;
+    return;
+  }
   for (std::size_t x = 0; x < histories_.size(); ++x) {
     const int entry = tree.q_of_v[static_cast<std::size_t>(tree.unknown_v[x])];
     if (entry < 0) continue;

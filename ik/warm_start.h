@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "ik/residuals.h"
 #include "model/kinematic_tree.h"
 
 namespace sinew {
@@ -10,17 +11,19 @@ namespace sinew {
 /// by itself as it stood, as it went or as it sped up, q, 2q − q₋₁ or 3q − 3q₋₁ + q₋₂, by whichever
 /// would have come nearest in the frames so far: motion is smooth and noise is not, and each
 /// extrapolation multiplies the noise of what markers hold weakly by √5 and √19. Quaternions stay.
+/// Where something is missing that the frame before measured, all stay: what nothing holds any more
+/// would go on by itself for ever, each frame bearing out the one before.
 /// Allocates at construction only.
 class WarmStart {
  public:
-  explicit WarmStart(const KinematicTree& tree);
+  WarmStart(const KinematicTree& tree, const IkProblem& problem);
 
   /// Forgets the frames so far.
   void reset() { known_ = 0; }
 
   /// `q`: the solution of the last frame, or any start after reset(); becomes the start of the next
-  /// frame. O(unknowns).
-  void advance(const KinematicTree& tree, std::vector<double>& q);
+  /// frame, which asks for `targets`. O(unknowns + residuals).
+  void advance(const KinematicTree& tree, const IkTargets& targets, std::vector<double>& q);
 
  private:
   static constexpr int kOrders = 3;
@@ -31,8 +34,10 @@ class WarmStart {
   };
   static double extrapolate(const History& history, int order);
   int best_order(const History& history) const;
+  bool misses_some(const IkTargets& targets);
 
   std::vector<History> histories_;  // unknowns
+  std::vector<char> measured_;      // positions, orientations, distances in turn: in the last frame
   int known_ = 0;                   // frames since reset(), as far as they matter
 };
 

@@ -127,14 +127,14 @@ class WalkBench {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(budget_);
     options.stop = [end] { return interrupted() || std::chrono::steady_clock::now() > end; };
     Minimizer minimizer(walk_.tree, walk_.tracking.problem, options);
-    WarmStart warm_start(walk_.tree);
+    WarmStart warm_start(walk_.tree, walk_.tracking.problem);
     std::vector<double> q = frames.start_q;
     double seconds = 0.0, iterations = 0.0, cost = 0.0;
     for (const int frame : frames.frames) {
       if (!frames.warm_start) q = frames.start_q;
       set_targets(walk_.tracking, walk_.recording.markers, frame, targets_);
       const double start = cpu_seconds();
-      if (frames.warm_start) warm_start.advance(walk_.tree, q);
+      if (frames.warm_start) warm_start.advance(walk_.tree, targets_, q);
       const Summary& summary = minimizer.minimize(targets_, q);
       seconds += cpu_seconds() - start;
       iterations += summary.iterations;

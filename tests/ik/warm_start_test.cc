@@ -18,17 +18,21 @@ class Slider {
     add_body(model, 0, Joint::Kind::kSlider, "t");
     clamp(model.coordinates[0], -upper, upper);
     tree_ = compile_tree(model);
-    warm_ = std::make_unique<WarmStart>(tree_);
+    problem_.positions = {{1, Eigen::Vector3d::Zero()}};
+    warm_ = std::make_unique<WarmStart>(tree_, problem_);
   }
-  double start_after(double solution) {
+  double start_after(double solution, bool measured = true) {
     std::vector<double> q = {solution};
-    warm_->advance(tree_, q);
+    IkTargets targets(problem_);
+    if (measured) targets.positions[0].setZero();
+    warm_->advance(tree_, targets, q);
     return q[0];
   }
   void reset() { warm_->reset(); }
 
  private:
   KinematicTree tree_;
+  IkProblem problem_;
   std::unique_ptr<WarmStart> warm_;
 };
 
@@ -67,6 +71,14 @@ TEST(WarmStart, DoesNotJumpAgainAfterAJump) {
   EXPECT_EQ(slider.start_after(6.01), 6.01);
   for (int frame = 2; frame < 40; ++frame) slider.start_after(6.0 + 0.01 * frame);
   EXPECT_NEAR(slider.start_after(6.4), 6.41, 1e-12);
+}
+
+TEST(WarmStart, StaysWhereTheMarkerIsMissing) {
+  Slider slider;
+  for (int frame = 0; frame < 8; ++frame) slider.start_after(frame * frame);
+  // Nothing holds it now: its solutions are its starts.
+  for (int frame = 0; frame < 20; ++frame) EXPECT_EQ(slider.start_after(64.0, false), 64.0);
+  EXPECT_EQ(slider.start_after(64.0), 64.0);
 }
 
 TEST(WarmStart, KeepsBounds) {
