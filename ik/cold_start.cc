@@ -117,6 +117,15 @@ double total_weight(const IkProblem& problem) {
   return sum;
 }
 
+double measured_weight(const IkProblem& problem, const IkTargets& targets) {
+  double weight = 0.0;
+  for (std::size_t i = 0; i < problem.positions.size(); ++i) {
+    if (targets.positions[i].hasNaN()) continue;
+    weight += position_weight(problem, targets, i).trace() / 3.0;
+  }
+  return weight;
+}
+
 }  // namespace
 
 struct ColdStart::Start {
@@ -170,6 +179,8 @@ struct ColdStart::Found {
   std::vector<double> q;
   Summary summary;
   bool plausible = true;
+  double weight = 0.0;  // of the measured markers
+  bool again = false;   // in a search from a solution that is doubted
 };
 
 bool joints_are_plausible(const KinematicTree& tree, std::span<const double> q) {
@@ -310,7 +321,7 @@ void ColdStart::descend(const Start& start, const IkTargets& targets, std::vecto
     evaluations += helper(start.helper).minimize(targets, q).evaluations;
   }
   const Summary& summary = final_.minimize(targets, q);
-  found_.push_back({start, q, summary, joints_are_plausible(tree_, q)});
+  found_.push_back({start, q, summary, joints_are_plausible(tree_, q), 0.0, false});
   found_.back().summary.evaluations += evaluations;
 }
 
@@ -333,16 +344,12 @@ bool ColdStart::agreed() {
 }
 
 // Whether the best solution so far fits badly, or a bound holds back much of its cost.
-bool ColdStart::is_doubtful(const IkTargets& targets, bool again) const {
-  const Summary& summary = best().summary;
-  if (!again && kReach * summary.bound_push > kHeldBack * summary.final_cost) return true;
-  double weight = 0.0;
-  for (std::size_t i = 0; i < problem_.positions.size(); ++i) {
-    if (targets.positions[i].hasNaN()) continue;
-    weight += position_weight(problem_, targets, i).trace() / 3.0;
-  }
-  const double limit = again ? kWorseFit : kBadFit;
-  return summary.final_cost > 0.5 * weight * limit * limit;
+bool ColdStart::is_held_back() const {
+  const Found& found = best();
+  const double cost = found.summary.final_cost;
+  if (!found.again && kReach * found.summary.bound_push > kHeldBack * cost) return true;
+  const double limit = found.again ? kWorseFit : kBadFit;
+  return cost > 0.5 * found.weight * limit * limit;
 }
 
 void ColdStart::search(const IkTargets& targets, std::span<const double> given, bool again) {
@@ -356,16 +363,23 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
       turns_[x] = ws.S[v].head<3>().norm() > 0.0;
     }
   }
+  const double weight = measured_weight(problem_, targets);
+  for (Found& doubted : found_) {
+    doubted.weight = weight;
+    doubted.again = again;
+  }
   for (int i = 0; i < search_.starts; ++i) {
     const Start start = again ? Start::again(i) : Start::cold(i);
     std::vector<double> q = pose(start, targets, given);
     descend(start, targets, q);
     const double cost = found_.back().summary.final_cost;
+    found_.back().weight = weight;
+    found_.back().again = again;
     if (found_.back().plausible && cost < lowest_) lowest_ = cost;
     result_.starts = i + 1;
     result_.agreed = agreed();
     if (lowest_ <= exact_) break;
-    if (result_.agreed && (result_.starts >= kLeastStarts || !is_doubtful(targets, again))) break;
+    if (result_.agreed && (result_.starts >= kLeastStarts || !is_held_back())) break;
   }
   result_.lowest = lowest_;
   for (const Found& found : found_) {
@@ -403,7 +417,7 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
   found_.clear();
   lowest_ = kInfinity;
   if (search_.starts == 1) {  // the given pose, as it is
-    found_.push_back({{}, std::vector<double>(q.begin(), q.end()), {}, true});
+    found_.push_back({{}, std::vector<double>(q.begin(), q.end()), {}, true, 0.0, false});
     found_.back().summary = final_.minimize(targets, found_.back().q);
     lowest_ = found_.back().summary.final_cost;
     result_ = {1, 1, false, lowest_, kNaN};
@@ -417,7 +431,7 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
 bool ColdStart::look_again(const IkTargets& targets, std::span<double> q, double cost) {
   const std::vector<double> doubted(q.begin(), q.end());
   found_.clear();
-  found_.push_back({{}, doubted, {}, true});
+  found_.push_back({{}, doubted, {}, true, 0.0, false});
   found_.back().summary.final_cost = lowest_ = cost;
   found_.back().summary.evaluations = 0;
   search(targets, doubted, true);

@@ -41,9 +41,9 @@ struct ColdStartResult {
 /// imposed afterwards, and the method is the options' own or another one that fails elsewhere
 /// (BFGS, or L-BFGS for many unknowns; Levenberg-Marquardt). All end by the options' method at its
 /// own tolerance. The search stops when two starts that differ in pose and method agree on the
-/// lowest cost to 1e-6 of it, not before eight where a bound holds back much of the cost or markers
-/// are more than 10 mm off (RMS), when the cost is zero to rounding, or at the number of starts.
-/// Minima that are not plausible, see joints_are_plausible(), do not count.
+/// lowest cost to 1e-6 of it (not before eight where a bound holds back much of it or markers are
+/// more than 10 mm off), when it is zero to rounding, or at the number of starts. Minima that are
+/// not plausible, see joints_are_plausible(), do not count.
 ///
 /// Nothing of it depends on time or threads. Keeps references to tree and problem. Allocates.
 class ColdStart {
@@ -75,7 +75,7 @@ class ColdStart {
   std::vector<double> outward(const IkTargets& targets, std::vector<double> q);
   void descend(const Start& start, const IkTargets& targets, std::vector<double>& q);
   bool agreed();
-  bool is_doubtful(const IkTargets& targets, bool again) const;
+  bool is_held_back() const;
   void search(const IkTargets& targets, std::span<const double> given, bool again);
   const Found& best() const;
   void settle(std::span<double> q);

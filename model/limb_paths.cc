@@ -95,7 +95,12 @@ Stance default_stance(const MusculoskeletalModel& model) {
   }
   const double quarter = stance.lowest + 0.25 * (stance.highest - stance.lowest);
   for (const int leaf : leaves_of(model)) {
-    if (height(leaf, Eigen::Vector3d::Zero()) <= quarter) stance.feet.push_back(leaf);
+    double low = std::min(height(leaf, Eigen::Vector3d::Zero()),
+                          height(leaf, model.bodies[static_cast<std::size_t>(leaf)].p_BCm));
+    for (const Marker& marker : model.markers) {
+      if (marker.body == leaf) low = std::min(low, height(leaf, marker.p_BM));
+    }
+    if (low <= quarter) stance.feet.push_back(leaf);
   }
   for (const int foot : stance.feet) {
     const int partner = partner_body(model, foot);

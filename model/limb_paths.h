@@ -26,8 +26,8 @@ int partner_body(const MusculoskeletalModel& model, int body);
 /// The model in its default pose.
 struct Stance {
   double lowest = kNaN, highest = kNaN;  // along up, of joints, mass centres and markers [m]
-  std::vector<int> feet;                 // bodies that carry no other and are in the lowest quarter
-  double hip = kNaN;  // the height of the joint where the limb of a paired foot begins [m]
+  std::vector<int> feet;  // bodies that carry no other and reach into the lowest quarter
+  double hip = kNaN;      // the height of the joint where the limb of a paired foot begins [m]
 };
 /// O(size of the model).
 Stance default_stance(const MusculoskeletalModel& model);

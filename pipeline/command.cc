@@ -51,7 +51,7 @@ std::string kind_of(const Warning& warning) {
     }
     while (!word.empty() && word.front() == '(') word.erase(0, 1);
     if (is_name(word)) word = "*";
-    if (word == "*" && (last == "*" || last == "and")) continue;
+    if (last == "*" && (word == "*" || word == "and")) continue;
     kind += " " + word;
     last = word;
   }

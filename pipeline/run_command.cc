@@ -182,7 +182,10 @@ struct RunCommand {
     evidence.model = model_evidence(job.model);
     if (lab_job) evidence.found = lab_job->reasons;
     evidence.found.insert(evidence.found.end(), findings.begin(), findings.end());
-    evidence.kinematics = kinematics_evidence(job, solved, kNaN, evidence.found);
+    // The static trial is the first of two that the model was fitted to.
+    const bool standing = lab_job && lab_job->fit && lab_job->fit->trials.size() > 1;
+    const double static_rms = standing ? lab_job->fit->trials.front().rms : kNaN;
+    evidence.kinematics = kinematics_evidence(job, solved, static_rms, evidence.found);
     CoverageOfFrames coverage;
     if (lab_job && lab_job->coverage) {
       coverage = {&*lab_job->coverage, job.options.first_frame,

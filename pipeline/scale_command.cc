@@ -247,6 +247,10 @@ struct ScaleCommand {
     evidence.model = model_evidence(model);
     evidence.scale = scale_evidence(scaled);
     evidence.found = scaled.reasons;
+    // The limits of sizes are people's.
+    if (!evidence.model.stands) {
+      std::erase_if(evidence.found, [](const VerdictReason& r) { return r.code == "size-limit"; });
+    }
     const Verdict verdict = judge(evidence);
     write_verdict(to.verdict(), verdict);
     if (!to.json.empty()) {

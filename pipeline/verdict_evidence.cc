@@ -197,6 +197,17 @@ double mean_where(const Eigen::VectorXd& values, const std::vector<bool>& wanted
   return count > 0 ? sum / count : kNaN;
 }
 
+// Markers by their weights in the static pose, which say how well each is known to be placed.
+double weighted_rms(const std::vector<PlacedMarker>& markers) {
+  double sum = 0.0, weight = 0.0;
+  for (const PlacedMarker& m : markers) {
+    if (!std::isfinite(m.distance)) continue;
+    sum += m.weight * m.distance * m.distance;
+    weight += m.weight;
+  }
+  return weight > 0.0 ? std::sqrt(sum / weight) : kNaN;
+}
+
 // Coordinates between ground and what carries the body: what loads act on, or else the feet.
 std::vector<std::string> supporting_coordinates(const MusculoskeletalModel& model,
                                                 const std::vector<int>& bodies) {
@@ -333,14 +344,7 @@ ScaleEvidence scale_evidence(const ScaledModel& scaled) {
   }
   if (scaled.placement) {
     evidence.converged = converged(scaled.placement->termination);
-    // As the pose was found: markers of little weight may be far off.
-    double squares = 0.0, weights = 0.0;
-    for (const PlacedMarker& m : scaled.placement->markers) {
-      if (std::isnan(m.distance)) continue;
-      squares += m.weight * m.distance * m.distance;
-      weights += m.weight;
-    }
-    evidence.pose_rms = std::sqrt(squares / weights);
+    evidence.pose_rms = weighted_rms(scaled.placement->markers);
     for (const PlacedMarker& m : scaled.placement->markers) {
       if (m.fate == PlacedMarker::Fate::kMoved && m.weight > 0.0) {
         evidence.moved.push_back({m.name, m.distance});

@@ -41,8 +41,10 @@ std::string figure_text(const VerdictReason& r) {
   if (!std::isfinite(r.figure)) return "";
   std::string text = fmt::format(": {}{}{}", text_of(r.figure), r.unit.empty() ? "" : " ", r.unit);
   if (!std::isfinite(r.limit)) return text;
-  text +=
-      fmt::format(" (normal: {} {}", r.figure < r.limit ? "at least" : "at most", text_of(r.limit));
+  // Of `% of the frames` the first word is enough.
+  const std::string unit = r.unit.substr(0, r.unit.find(' '));
+  text += fmt::format(" (normal: {} {}{}{}", r.figure < r.limit ? "at least" : "at most",
+                      text_of(r.limit), unit.empty() ? "" : " ", unit);
   if (!r.source.empty() && r.source != limits::kOwn) text += ", " + r.source;
   return text + ")";
 }

@@ -16,13 +16,17 @@ using Arguments = std::vector<std::string>;
 // the posture's weights, spine and fingers, differs by more.
 double largest_error(const std::filesystem::path& table, const std::filesystem::path& truth) {
   const TimeTable a = read_storage(table).table, b = read_storage(truth).table;
-  EXPECT_EQ(a.labels, b.labels);
+  // Columns that say which torques follow from markers come after those of the truth.
+  const std::vector<std::string> theirs(
+      a.labels.begin(),
+      a.labels.begin() + static_cast<std::ptrdiff_t>(std::min(a.labels.size(), b.labels.size())));
+  EXPECT_EQ(theirs, b.labels);
   EXPECT_EQ(a.in_degrees, b.in_degrees);
-  if (a.values.rows() != b.values.rows() || a.values.cols() != b.values.cols()) return 1e300;
+  if (a.values.rows() != b.values.rows() || a.values.cols() < b.values.cols()) return 1e300;
   double largest = 0.0;
   int compared = 0;
-  for (std::size_t c = 0; c < a.labels.size(); ++c) {
-    const std::string& name = a.labels[c];
+  for (std::size_t c = 0; c < b.labels.size(); ++c) {
+    const std::string& name = b.labels[c];
     if (!name.starts_with("hip_") && !name.starts_with("knee_angle") &&
         !name.starts_with("ankle_angle")) {
       continue;

@@ -221,7 +221,8 @@ TEST_F(LabRun, PlatformsContradictAModelOfAnotherMass) {
     arguments.insert(arguments.end(), {"--model", model, "--no-scale", "--out", out});
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    for (const Json& reason : json(std::string(out) + "/verdict.json")["reasons"]) {
+    const Json verdict = json(std::string(out) + "/verdict.json");
+    for (const Json& reason : verdict["reasons"]) {
       if (reason["code"] == "mass-carried") return reason;
     }
     return nullptr;

@@ -144,19 +144,23 @@ TEST_F(VerdictOfRun, NeverOverwritesAnInput) {
   EXPECT_NE(outcome.err.find("is both the output and an input"), std::string::npos) << outcome.err;
 }
 
-// Nothing at all is wrong with the walk that the program brings along.
-TEST(VerdictOfTheEmbeddedWalk, IsGood) {
+// All that can be said of the walk that the program brings along is that fingers, vertebrae and the
+// like have no markers.
+TEST(VerdictOfTheEmbeddedWalk, IsUsable) {
   const TemporaryFolder folder;
   const Outcome outcome = run_sinew(folder.path(), {"run", "--out", "r"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json verdict = json_of(folder.path() / "r/verdict.json");
-  EXPECT_EQ(verdict["verdict"], "good") << verdict["reasons"].dump(2);
-  for (const auto& [joint, use] : verdict["joints"].items()) {
-    EXPECT_EQ(use["angles"], "usable") << joint;
-    EXPECT_EQ(use["torques"], "usable") << joint;
+  for (const std::string& code : codes_of(verdict)) {
+    EXPECT_TRUE(code == "segment-without-marker" || code == "undetermined-coordinates") << code;
+  }
+  EXPECT_EQ(verdict["verdict"], "remarks");
+  for (const char* joint : {"hip_r", "hip_l", "knee_r", "knee_l"}) {
+    ASSERT_TRUE(verdict["joints"].contains(joint)) << joint << verdict["joints"].dump(2);
+    EXPECT_EQ(verdict["joints"][joint]["angles"], "usable") << joint;
+    EXPECT_EQ(verdict["joints"][joint]["torques"], "usable") << joint;
   }
   EXPECT_LE(digest_lines(outcome.out), 12) << outcome.out;
-  EXPECT_NE(outcome.out.find("\nverdict: good\n"), std::string::npos) << outcome.out;
 }
 
 // Inputs written for faults of which nothing was said; see their expected.md.
@@ -280,7 +284,9 @@ TEST_F(VerdictOfPublished, SetupsOfGait2354AndGait10dof) {
   for (const auto& [command, verdict] : commands) {
     const Outcome outcome = run_sinew(folder_.path(), command);
     EXPECT_EQ(outcome.exit_code, 0) << verdict << outcome.out << outcome.err;
-    EXPECT_EQ(json_of(folder_.path() / verdict)["verdict"], "remarks") << verdict;
+    // The planar model's inverse dynamics keeps all limits; all others exceed one of Hicks'.
+    const bool planar = verdict.ends_with("walk_ID_verdict.json");
+    EXPECT_EQ(json_of(folder_.path() / verdict)["verdict"], planar ? "good" : "remarks") << verdict;
   }
 }
 

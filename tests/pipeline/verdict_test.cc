@@ -343,7 +343,7 @@ TEST(Judge, LeavesACodeToWhoFoundIt) {
   e.found = {found};
   const Verdict verdict = judge(e);
   ASSERT_EQ(verdict.reasons.size(), 1u);
-  EXPECT_EQ(verdict.reasons[0], found);
+  EXPECT_EQ(verdict.reasons[0].text, found.text);
 }
 
 // An evidence left at its impossible values raises nothing and writes no NaN.
