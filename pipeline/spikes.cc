@@ -84,6 +84,8 @@ void leave_out_spikes(MarkerTrajectories& markers, const std::string& path,
 }
 
 void leave_out_spikes(TimeTable& table, const std::string& path, std::vector<Warning>& warnings) {
+  // What is no number is refused where loads are read.
+  if (!table.values.array().isFinite().all()) return;
   const std::vector<SampleDrop> spikes = force_spikes(table);
   if (spikes.empty()) return;
   warnings.push_back({{path},
