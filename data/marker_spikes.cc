@@ -21,7 +21,7 @@ constexpr double kClosing = 0.25;
 // Samples at an end of what is measured that may be a spike, and how much farther off they are:
 // only one side contradicts them.
 constexpr int kLongestEnd = 3;
-constexpr double kEndTimes = 2.0;
+constexpr double kEndTimes = 4.0;
 
 // Markers of a person are nearer to their middle than this, by far [m].
 constexpr double kGiant = 5.0;

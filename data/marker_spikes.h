@@ -41,7 +41,7 @@ struct MarkerSpike {
 /// Spikes, marker by marker: the marker leaves where its last two samples send it and comes back to
 /// where the two before and the two after meet, so that nothing but the samples in between is at
 /// odds. At the ends of what is measured, and beside gaps, up to three samples count that are
-/// twice as far off. Markers that go where others were (find_marker_swaps()) are among them.
+/// four times as far off. Markers that go where others were (find_marker_swaps()) are among them.
 /// A marker that is `away` for more than half of its samples is no spike (find_stray_markers())
 /// unless it is absurdly far. Nothing is found where the markers' middle distance from their middle
 /// is more than a person's size: the unit is wrong then (data/preflight_units.h).

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,22 @@ constexpr Index kAround = 10;
 constexpr double kClosing = 0.25;
 // A channel that says nothing for this part of its samples is broken: nothing mends it.
 constexpr double kMostWild = 0.1;
+
+// What spans fewer of the converter's steps is at rest, and steps by noise.
+constexpr double kFewestSteps = 32.0;
+
+// The smallest distance of two values that differ; infinite if none do.
+double smallest_step(const Eigen::VectorXd& samples) {
+  std::vector<double> sorted;
+  std::copy_if(samples.begin(), samples.end(), std::back_inserter(sorted),
+               [](double x) { return std::isfinite(x); });
+  std::sort(sorted.begin(), sorted.end());
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i] > sorted[i - 1]) step = std::min(step, sorted[i] - sorted[i - 1]);
+  }
+  return step;
+}
 
 // Its usual range: the hundredth and the ninety-ninth of a hundred finite values.
 struct Range {
@@ -46,7 +63,8 @@ class SampleScan {
 
   std::vector<SampleSpike> scan(bool wild_only) {
     find_wild();
-    for (Index i = 1; !wild_only && range_.size() > 0.0 && i + 1 < samples_.size(); ++i) {
+    const bool rests = !(range_.size() >= kFewestSteps * smallest_step(samples_));
+    for (Index i = 1; !wild_only && !rests && i + 1 < samples_.size(); ++i) {
       for (Index n = 1; n <= options_.longest && i + n < samples_.size(); ++n) {
         if (!is_spike(i, i + n - 1)) continue;
         std::fill_n(out_.begin() + i, n, true);
