@@ -166,6 +166,8 @@ class Preparation {
   }
 
   void attach(const MarkerTrajectories& markers) {
+    // Given tasks say which markers are tracked: others would only stand in the model.
+    if (!job_.ik.tasks.empty() && options_.attach.empty()) return;
     attach_lab_markers(
         {&markers, standing_ ? &*standing_ : nullptr, folder_ / kModel, folder_ / kAttached},
         options_, job_.ik.threads, log_);
