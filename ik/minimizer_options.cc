@@ -128,8 +128,11 @@ std::unique_ptr<Direction> make_direction(const KinematicTree& tree, const IkPro
     case Method::kLevenbergMarquardt:
       return std::make_unique<LevenbergMarquardt>(tree, problem, options.levenberg_marquardt);
     case Method::kGaussNewton:
-      return std::make_unique<GaussNewton>(tree, problem, options.gauss_newton,
-                                           NewtonModel::kNearMinimum);
+      // With wires second derivatives are seldom positive definite: on the whole body walking they
+      // cost more than they save, and frames ended stalled.
+      return std::make_unique<GaussNewton>(
+          tree, problem, options.gauss_newton,
+          problem.wires.empty() ? NewtonModel::kNearMinimum : NewtonModel::kGaussNewton);
     case Method::kArticulatedGaussNewton:
       return make_articulated(tree, problem, Articulated::Model::kGaussNewton, options);
     case Method::kArticulatedNewton:

@@ -16,7 +16,8 @@ constexpr double kWorthIt = 0.7;
 }  // namespace
 
 WarmStart::WarmStart(const KinematicTree& tree, const IkProblem& problem)
-    : histories_(static_cast<std::size_t>(tree.unknown_count())),
+    : orders_(problem.wires.empty() ? kOrders : kOrders - 1),
+      histories_(static_cast<std::size_t>(tree.unknown_count())),
       measured_(problem.positions.size() + problem.orientations.size() + problem.distances.size(),
                 0) {}
 
@@ -48,7 +49,7 @@ double WarmStart::extrapolate(const History& h, int order) {
 
 int WarmStart::best_order(const History& h) const {
   int best = 0;
-  for (int order = 1; order < std::min(known_ - 1, kOrders); ++order) {
+  for (int order = 1; order < std::min(known_ - 1, orders_); ++order) {
     if (h.error[order] < kWorthIt * kWorthIt * h.error[best]) best = order;
   }
   return best;

@@ -34,6 +34,9 @@ class WarmStart {
   };
   static double extrapolate(const History& history, int order);
   int best_order(const History& history) const;
+
+  // Beside wires joints are held so weakly that 3q − 3q₋₁ + q₋₂ would let their errors grow.
+  int orders_ = kOrders;
   bool misses_some(const IkTargets& targets);
 
   std::vector<History> histories_;  // unknowns
