@@ -23,8 +23,9 @@ constexpr double kSameCost = 1e-6;
 // more than this part: which start is chosen does not hang on rounding.
 constexpr double kPreferred = 1e-8;
 
-// The same position to this [m] on every marker is a cost of zero.
-constexpr double kExact = 1e-9;
+// The same position to this [m] on every marker is a cost of zero: no laboratory measures a tenth
+// of it. Wires and virtual links leave many minima below it, of which none is truer than another.
+constexpr double kExact = 1e-5;
 
 // The chosen solution is polished to this part of the gradient's tolerance: along weakly held
 // unknowns starts end apart from each other by what the tolerance allows, and the frames that
@@ -384,7 +385,7 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
     if (found_.back().plausible && cost < lowest_) lowest_ = cost;
     result_.starts = i + 1;
     result_.agreed = agreed();
-    if (lowest_ <= exact_) break;
+    if (lowest_ <= exact_ && best().summary.converged()) break;
     if (result_.agreed && (result_.starts >= kLeastStarts || !is_held_back())) break;
   }
   result_.lowest = lowest_;

@@ -98,7 +98,7 @@ ColdStart& FrameSolver::cold() {
 
 const Summary& FrameSolver::solve(int frame, std::vector<double>& q) {
   set_targets(tracking_, markers_, options_.first_frame + frame, targets_);
-  warm_start_.advance(tree_, targets_, q);
+  warm_start_.advance(tree_, tracking_.problem, targets_, q);
   prescribe(tree_, markers_.time[options_.first_frame + frame], q);
   solved_ = &minimizer_.workspace();
   return minimizer_.minimize(targets_, q);

@@ -134,7 +134,9 @@ class WalkBench {
       if (!frames.warm_start) q = frames.start_q;
       set_targets(walk_.tracking, walk_.recording.markers, frame, targets_);
       const double start = cpu_seconds();
-      if (frames.warm_start) warm_start.advance(walk_.tree, targets_, q);
+      if (frames.warm_start) {
+        warm_start.advance(walk_.tree, walk_.tracking.problem, targets_, q);
+      }
       const Summary& summary = minimizer.minimize(targets_, q);
       seconds += cpu_seconds() - start;
       iterations += summary.iterations;

@@ -20,8 +20,10 @@ const ReferenceRecording& recording() {
   return made;
 }
 
-// The coordinates that 70 markers and the wires determine, spine, shoulder girdle and fingers
-// aside. Taut tendons draw on the bones with the weight that keeps virtual links in their places.
+// The coordinates that 70 markers determine, spine, shoulder girdle and fingers aside. What markers
+// leave free, wires hold where they are taut, and there are minima with other wires taut less than
+// 1e-13 m² apart. The free directions bend: over the way from the truth to the solution they may
+// take along (C7, by 1e-3 rad) what they leave in place at one end.
 TEST(ReferenceRecording, InverseKinematicsFindsTheTruth) {
   const ReferenceRecording& r = recording();
   const KinematicTree tree = compile_tree(r.model);
@@ -35,14 +37,18 @@ TEST(ReferenceRecording, InverseKinematicsFindsTheTruth) {
   const TrackingResult solved = track(r.model, tree, tracking, r.markers, options);
   IkTargets targets(tracking.problem);
   set_targets(tracking, r.markers, 0, targets);
-  std::vector<double> q(tree.default_q);
-  for (std::size_t c = 0; c < r.model.coordinates.size(); ++c) {
-    q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
-        r.true_coordinates.values(0, static_cast<Eigen::Index>(c));
-  }
+  TrackingProblem markers_alone = tracking;
+  markers_alone.problem.wires.clear();
   std::vector<bool> determinate(r.model.coordinates.size(), true);
-  for (const int c : undetermined_coordinates(r.model, tree, tracking, targets, q)) {
-    determinate[static_cast<std::size_t>(c)] = false;
+  for (const RowMatrix* end : {&r.true_coordinates.values, &solved.coordinates}) {
+    std::vector<double> q(tree.default_q);
+    for (std::size_t c = 0; c < r.model.coordinates.size(); ++c) {
+      q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
+          (*end)(0, static_cast<Eigen::Index>(c));
+    }
+    for (const int c : undetermined_coordinates(r.model, tree, markers_alone, targets, q)) {
+      determinate[static_cast<std::size_t>(c)] = false;
+    }
   }
   double largest = 0.0;
   std::string worst;
@@ -56,7 +62,6 @@ TEST(ReferenceRecording, InverseKinematicsFindsTheTruth) {
     const double error = (solved.coordinates.col(column) - r.true_coordinates.values.col(column))
                              .cwiseAbs()
                              .maxCoeff();
-    if (error > 1e-4) std::cout << coordinate.name << ": " << error << "\n";
     if (error > largest) {
       largest = error;
       worst = coordinate.name;
@@ -65,7 +70,7 @@ TEST(ReferenceRecording, InverseKinematicsFindsTheTruth) {
   EXPECT_GE(compared, 30);
   std::cout << compared << " determinate coordinates; largest error " << largest << " rad or m, of "
             << worst << "\n";
-  EXPECT_LE(largest, 1e-4);
+  EXPECT_LE(largest, 1e-5);
 }
 
 // Largest error as a part of the largest true torque of its column, from 0.15 s after the start to

@@ -135,7 +135,7 @@ TEST(Tracking, StartsEveryFrameFromTheOnesBefore) {
   WarmStart warm_start(r.walker.tree, problem.problem);
   for (int frame = 0; frame < 30; ++frame) {
     set_targets(problem, r.file.markers, frame, targets);
-    if (frame > 0) warm_start.advance(r.walker.tree, targets, q);
+    if (frame > 0) warm_start.advance(r.walker.tree, problem.problem, targets, q);
     const Summary& summary =
         frame > 0 ? minimizer.minimize(targets, q) : cold_start.minimize(targets, q);
     const FrameResult& found = result.frames[static_cast<std::size_t>(frame)];

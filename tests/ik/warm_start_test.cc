@@ -25,7 +25,7 @@ class Slider {
     std::vector<double> q = {solution};
     IkTargets targets(problem_);
     if (measured) targets.positions[0].setZero();
-    warm_->advance(tree_, targets, q);
+    warm_->advance(tree_, problem_, targets, q);
     return q[0];
   }
   void reset() { warm_->reset(); }
