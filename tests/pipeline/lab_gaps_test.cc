@@ -362,9 +362,19 @@ TEST_F(LabGaps, AMarkerOfThreeFramesSaysNothingAndIsNamed) {
   EXPECT_TRUE(holds(reasons("three", "gap"), "RTOE (3 of 221 frames)")) << reasons("three", "gap");
   ASSERT_EQ(run("without.c3d", "without").exit_code, 0);
   const TimeTable a = table("three/id.sto"), b = table("without/id.sto");
+  // Force and moment at the root are vectors, of which no component has a size of its own.
+  const auto peak = [&b](Eigen::Index c) {
+    double most = b.values.col(c).cwiseAbs().maxCoeff();
+    for (Eigen::Index first = 0; first < 6; first += 3) {
+      if (c < first || c >= first + 3) continue;
+      most = b.values.middleCols(first, 3).cwiseAbs().maxCoeff();
+    }
+    return most;
+  };
+  ASSERT_EQ(b.labels[2], "pelvis_rotation_moment");
+  ASSERT_EQ(b.labels[5], "pelvis_tz_force");
   for (Eigen::Index c = 0; c < a.values.cols(); ++c) {
-    EXPECT_LE((a.values.col(c) - b.values.col(c)).cwiseAbs().maxCoeff(),
-              0.01 * b.values.col(c).cwiseAbs().maxCoeff() + 1e-3)
+    EXPECT_LE((a.values.col(c) - b.values.col(c)).cwiseAbs().maxCoeff(), 0.01 * peak(c) + 1e-3)
         << a.labels[static_cast<std::size_t>(c)];
   }
 }
