@@ -37,8 +37,9 @@ constexpr int kPolishIterations = 500;
 // mostly sit on one: where going 0.1 rad beyond it would, by the gradient, save more than this part
 // of the cost, so many starts are made at least. tests/bench/survey.md: with two, 6 of 17 starts of
 // a running Rajagopal body ended in the same wrong minimum.
+// Of so many starts none that ends elsewhere is as good a sign as eight of which some do.
 constexpr double kReach = 0.1, kHeldBack = 0.02;
-constexpr int kLeastStarts = 8;
+constexpr int kLeastStarts = 8, kUnanimous = 4;
 
 // So many starts are made, too, where markers are farther off than this [m, RMS]: a fit of a scaled
 // model leaves 5 to 10 mm.
@@ -386,7 +387,10 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
     result_.starts = i + 1;
     result_.agreed = agreed();
     if (lowest_ <= exact_ && best().summary.converged()) break;
-    if (result_.agreed && (result_.starts >= kLeastStarts || !is_held_back())) break;
+    const bool unanimous =
+        result_.starts >= kUnanimous && result_.agreeing == static_cast<int>(found_.size());
+    if (!result_.agreed) continue;
+    if (unanimous || result_.starts >= kLeastStarts || !is_held_back()) break;
   }
   result_.lowest = lowest_;
   for (const Found& found : found_) {

@@ -2,7 +2,7 @@
 # Measures a frame of inverse kinematics against an earlier commit, the two programs taking turns on
 # one core, and writes tests/bench/speed.md.
 # Usage: bash tests/bench/speed.sh [COMMIT [ROUNDS]]: default 7b5bbbc and 7
-# OLD, NEW and SINEW name programs that are built already: frame_speed of either side, and sinew.
+# OLD and NEW name folders of programs that are built already: frame_speed and sinew of either side.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source tests/bench/report.sh
@@ -19,26 +19,34 @@ build_in() {
 
 if [[ -z ${NEW:-} ]]; then
   build_in .
-  NEW=$PWD/build/release/bin/frame_speed
+  NEW=$PWD/build/release/bin
 fi
-SINEW=${SINEW:-$PWD/build/release/bin/sinew}
 if [[ -z ${OLD:-} ]]; then
   old=$PWD/build/speed_old
   [[ -d $old ]] || git worktree add --detach "$old" "$commit" >/dev/null
-  cp tests/bench/frame_speed.cc tests/bench/CMakeLists.txt "$old/tests/bench/"
+  cp tests/bench/frame_speed.cc "$old/tests/bench/"
+  grep -q frame_speed "$old/tests/bench/CMakeLists.txt" ||
+    grep frame_speed tests/bench/CMakeLists.txt >>"$old/tests/bench/CMakeLists.txt"
   build_in "$old"
-  OLD=$old/build/release/bin/frame_speed
+  OLD=$old/build/release/bin
 fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for level in simplified detailed; do
-  "$SINEW" example --level $level --noise 0.001 --soft-tissue 0.01 --out "$work/$level" >/dev/null
+# Each side has its own tasks for the embedded walk: what a coordinate's weight means has changed.
+for side in old new; do
+  programs=$NEW
+  [[ $side == new ]] || programs=$OLD
+  for level in simplified detailed; do
+    "$programs/sinew" example --level $level --noise 0.001 --soft-tissue 0.01 \
+      --out "$work/$side/$level" >/dev/null
+  done
+  cmp "$work/$side/simplified/walk.trc" "$work/old/simplified/walk.trc"
 done
 # The setup names outputs beside itself: scaled in a copy.
 cp -r "$data/opensim-models/Rajagopal_run" "$work/run"
 chmod -R u+w "$work/run"
-"$SINEW" scale --setup "$work/run/Scale/scale_setup_run.xml" \
+"$NEW/sinew" scale --setup "$work/run/Scale/scale_setup_run.xml" \
   --model "$work/run/Rajagopal2016.osim" --out "$work/run.osim" >/dev/null 2>&1
 
 # name|model|markers|tasks
@@ -52,8 +60,8 @@ trials() {
   echo "Gait10dof18musc|$models/Gait10dof18musc/subject01.osim|$models/Gait10dof18musc/ExperimentalData/subject01_walk.trc|$models/Gait10dof18musc/IK/walk_Setup_IK.xml"
   echo "Arnold2013 subject01|$arnold/subject01/subject01.osim|$arnold/subject01/trials/walk2/markers.trc|-"
   echo "Arnold2013 subject02|$arnold/subject02/subject02.osim|$arnold/subject02/trials/walk2/markers.trc|-"
-  echo "walk, simplified body|$work/simplified/model.osim|$work/simplified/walk.trc|$work/simplified/ik_tasks.xml"
-  echo "walk, detailed body|$work/detailed/model.osim|$work/detailed/walk.trc|$work/detailed/ik_tasks.xml"
+  echo "walk, simplified body|SIDE/simplified/model.osim|SIDE/simplified/walk.trc|SIDE/simplified/ik_tasks.xml"
+  echo "walk, detailed body|SIDE/detailed/model.osim|SIDE/detailed/walk.trc|SIDE/detailed/ik_tasks.xml"
 }
 
 # The least of what the rounds of one program took, and its last iterations and cost.
@@ -78,19 +86,21 @@ measure() {
   echo "| trial | frames | before | now | ratio | iterations before | now | mean cost before | now |"
   echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
   while IFS='|' read -r name model markers tasks; do
-    [[ -e $model && -e $markers ]] || continue
+    [[ -e ${model/SIDE/$work/new} && -e ${markers/SIDE/$work/new} ]] || continue
     local repeat=10
     [[ $name == walk* ]] && repeat=1
-    : >"$work/old"
-    : >"$work/new"
+    : >"$work/old.times"
+    : >"$work/new.times"
     for ((round = 0; round < rounds; ++round)); do
-      taskset -c "$core" "$OLD" "$model" "$markers" "$tasks" $repeat >>"$work/old"
-      taskset -c "$core" "$NEW" "$model" "$markers" "$tasks" $repeat >>"$work/new"
+      taskset -c "$core" "$OLD/frame_speed" "${model/SIDE/$work/old}" \
+        "${markers/SIDE/$work/old}" "${tasks/SIDE/$work/old}" $repeat >>"$work/old.times"
+      taskset -c "$core" "$NEW/frame_speed" "${model/SIDE/$work/new}" \
+        "${markers/SIDE/$work/new}" "${tasks/SIDE/$work/new}" $repeat >>"$work/new.times"
     done
-    read -r frames before iterations_before cost_before < <(best "$work/old")
-    read -r frames now iterations_now cost_now < <(best "$work/new")
+    read -r frames before iterations_before cost_before < <(best "$work/old.times")
+    read -r frames now iterations_now cost_now < <(best "$work/new.times")
     printf '| %s | %s | %.1f | %.1f | %.2f | %s | %s | %s | %s |\n' "$name" "$frames" "$before" \
-      "$now" "$(median_ratio "$work/old" "$work/new")" "$iterations_before" "$iterations_now" \
+      "$now" "$(median_ratio "$work/old.times" "$work/new.times")" "$iterations_before" "$iterations_now" \
       "$cost_before" "$cost_now"
   done < <(trials)
 }
