@@ -37,16 +37,15 @@ constexpr int kPolishIterations = 500;
 // mostly sit on one: where going 0.1 rad beyond it would, by the gradient, save more than this part
 // of the cost, so many starts are made at least. tests/bench/survey.md: with two, 6 of 17 starts of
 // a running Rajagopal body ended in the same wrong minimum.
-// Of so many starts none that ends elsewhere is as good a sign as eight of which some do.
 constexpr double kReach = 0.1, kHeldBack = 0.02;
-constexpr int kLeastStarts = 8, kUnanimous = 4;
+constexpr int kMostDoubted = 8;
 
-// So many starts are made, too, where markers are farther off than this [m, RMS]: a fit of a scaled
-// model leaves 5 to 10 mm.
-constexpr double kBadFit = 0.010;
-// Where a solved frame is looked at again, which may be many times in a trial, beyond this: what
-// Hicks et al. 2015 (J Biomech Eng 137:020905) call the most that can be accepted, and half again.
-constexpr double kWorseFit = 0.025;
+// So many starts are made, too, where markers are farther off than the second of these [m, RMS],
+// what Hicks et al. 2015 (J Biomech Eng 137:020905) call the most that can be accepted, and half
+// again. Between the two, where a fit of a scaled model rarely ends, fewer will do as long as none
+// ends elsewhere; and two where a solved frame is looked at again, maybe many times in a trial.
+constexpr double kBadFit = 0.010, kWorseFit = 0.025;
+constexpr int kUnanimous = 4;
 
 // How far unbounded joints turn from their default in random poses [rad], and the number that all
 // seeds start from.
@@ -351,13 +350,16 @@ bool ColdStart::agreed() {
   return agreed;
 }
 
-// Whether the best solution so far fits badly, or a bound holds back much of its cost.
-bool ColdStart::is_held_back() const {
+// How many starts to make at least, by what the best solution so far is like.
+int ColdStart::least_starts() const {
   const Found& found = best();
   const double cost = found.summary.final_cost;
-  if (!found.again && kReach * found.summary.bound_push > kHeldBack * cost) return true;
-  const double limit = found.again ? kWorseFit : kBadFit;
-  return cost > 0.5 * found.weight * limit * limit;
+  if (!found.again && kReach * found.summary.bound_push > kHeldBack * cost) return kMostDoubted;
+  const auto is_farther = [&](double limit) { return cost > 0.5 * found.weight * limit * limit; };
+  if (is_farther(kWorseFit)) return kMostDoubted;
+  if (found.again || !is_farther(kBadFit)) return 2;
+  const bool unanimous = result_.agreeing == static_cast<int>(found_.size());
+  return unanimous ? kUnanimous : kMostDoubted;
 }
 
 void ColdStart::search(const IkTargets& targets, std::span<const double> given, bool again) {
@@ -387,10 +389,7 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
     result_.starts = i + 1;
     result_.agreed = agreed();
     if (lowest_ <= exact_ && best().summary.converged()) break;
-    const bool unanimous =
-        result_.starts >= kUnanimous && result_.agreeing == static_cast<int>(found_.size());
-    if (!result_.agreed) continue;
-    if (unanimous || result_.starts >= kLeastStarts || !is_held_back()) break;
+    if (result_.agreed && result_.starts >= least_starts()) break;
   }
   result_.lowest = lowest_;
   for (const Found& found : found_) {

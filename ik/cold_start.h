@@ -75,7 +75,7 @@ class ColdStart {
   std::vector<double> outward(const IkTargets& targets, std::vector<double> q);
   void descend(const Start& start, const IkTargets& targets, std::vector<double>& q);
   bool agreed();
-  bool is_held_back() const;
+  int least_starts() const;
   void search(const IkTargets& targets, std::span<const double> given, bool again);
   const Found& best() const;
   void settle(const IkTargets& targets, std::span<double> q);

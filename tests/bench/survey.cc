@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <numeric>
+#include <optional>
 #include <random>
 #include <sstream>
 
@@ -17,6 +17,7 @@
 #include "data/trc_file.h"
 #include "ik/cold_start.h"
 #include "ik/marker_placement.h"
+#include "ik/minimizer.h"
 #include "ik/tracking.h"
 #include "model/osim_file.h"
 #include "tests/bench/stopwatch.h"
@@ -27,6 +28,7 @@ namespace {
 constexpr Method kMethods[] = {Method::kGaussNewton, Method::kBfgs, Method::kLbfgs,
                                Method::kLevenbergMarquardt, Method::kArticulated};
 constexpr double kSame = 1e-6;
+constexpr double kMostSeconds = 60.0;  // of one pair, after which no further frame is begun
 
 struct Pair {
   std::string name, model, markers, tasks;
@@ -42,8 +44,9 @@ std::vector<Pair> read_list(const std::string& path) {
     std::vector<std::string> cells;
     std::stringstream stream(line);
     for (std::string cell; std::getline(stream, cell, '|');) cells.push_back(cell);
-    if (cells.size() != 7)
+    if (cells.size() != 7) {
       throw std::runtime_error("a line of the list has not seven cells: " + line);
+    }
     Pair pair{cells[0], cells[1], cells[2], cells[3]};
     if (!cells[4].empty()) pair.from = std::stod(cells[4]);
     if (!cells[5].empty()) pair.to = std::stod(cells[5]);
@@ -70,133 +73,155 @@ std::vector<double> random_pose(const KinematicTree& tree, std::mt19937_64& rand
   return q;
 }
 
-struct Score {
-  int lowest_from_default = 0, lowest_from_random = 0, random = 0;
-  double worst = 0.0, seconds = 0.0;
-};
-
-}  // namespace
-
-int main_of_survey(const std::string& list, int starts, int frames) {
-  fmt::print("| pair | unknowns | frames |");
-  for (const Method m : kMethods) fmt::print(" {} |", to_string(m));
-  fmt::print(" search | search: worst excess | starts | ms a search | ms {} |\n",
-             to_string(Method::kGaussNewton));
-  fmt::print("|---|---:|---:|{}---:|---:|---:|---:|---:|\n", "---:|---:|---:|---:|---:|");
-  for (const Pair& pair : read_list(list)) {
-    const MusculoskeletalModel model = read_osim(pair.model);
-    const KinematicTree tree = compile_tree(model);
+// What is asked for: the model, the recording's frames, or a static trial's mean.
+struct Case {
+  explicit Case(const Pair& pair) : model(read_osim(pair.model)), tree(compile_tree(model)) {
     MarkerFile recording = read_trc(pair.markers);
     std::optional<IkTaskSet> tasks;
     if (!pair.tasks.empty()) {
       tasks =
           pair.still ? read_scale_setup(pair.tasks).placer.task_set : read_ik_task_set(pair.tasks);
     }
-    TrackingProblem tracking;
+    const IkTaskSet* given = tasks ? &*tasks : nullptr;
     if (pair.still) {
       MarkerPlacementOptions options;
       options.from = pair.from;
       options.to = pair.to;
-      BoundPlacement bound =
-          bind_placement(model, tree, recording, tasks ? &*tasks : nullptr, nullptr, options);
+      BoundPlacement bound = bind_placement(model, tree, recording, given, nullptr, options);
       tracking = std::move(bound.tracking);
       recording = std::move(bound.mean);
     } else {
-      tracking = bind_recording(model, tree, recording, tasks ? &*tasks : nullptr, nullptr);
+      tracking = bind_recording(model, tree, recording, given, nullptr);
     }
-    const Eigen::VectorXd& time = recording.markers.time;
-    std::vector<int> inside;
-    for (int f = 0; f < time.size(); ++f) {
-      if (pair.still || (time[f] >= pair.from && time[f] <= pair.to)) inside.push_back(f);
-    }
-    std::vector<int> chosen;
-    const int count = std::min<int>(frames, static_cast<int>(inside.size()));
-    for (int i = 0; i < count; ++i) {
-      chosen.push_back(
-          inside[count == 1 ? 0 : i * (inside.size() - 1) / static_cast<std::size_t>(count - 1)]);
-    }
-    std::vector<Score> scores(std::size(kMethods) + 1);
-    double searches = 0.0, search_starts = 0.0;
-    const double noise = cost_noise(tracking);
-    for (const int frame : chosen) {
-      IkTargets targets(tracking.problem);
-      set_targets(tracking, recording.markers, frame, targets);
-      std::vector<std::vector<double>> costs(scores.size());
-      std::vector<std::string> notes;
-      double lowest_pose_cost = INFINITY;
-      std::vector<double> lowest_pose;
-      std::mt19937_64 random(static_cast<std::uint64_t>(1000 + frame));
-      std::vector<std::vector<double>> poses = {tree.default_q};
-      for (int s = 0; s < starts; ++s) poses.push_back(random_pose(tree, random));
-      for (auto& pose : poses) prescribe(tree, time[frame], pose);
-      for (std::size_t m = 0; m < scores.size(); ++m) {
-        MinimizerOptions options;
-        std::optional<Minimizer> minimizer;
-        std::optional<ColdStart> cold;
-        if (m < std::size(kMethods)) {
-          options.method = kMethods[m];
-          options.max_iterations = 500;  // or damping would creep for seconds
-          minimizer.emplace(tree, tracking.problem, options);
-        } else {
-          cold.emplace(tree, tracking.problem, options, ColdStartOptions{});
-        }
-        for (const auto& pose : poses) {
-          std::vector<double> q = pose;
-          const double begin = cpu_seconds();
-          const double cost = minimizer ? minimizer->minimize(targets, q).final_cost
-                                        : cold->minimize(targets, q).final_cost;
-          scores[m].seconds += cpu_seconds() - begin;
-          if (cold) {
-            searches += 1.0;
-            search_starts += cold->result().starts;
-          }
-          costs[m].push_back(joints_are_plausible(tree, q) ? cost : INFINITY);
-          if (getenv("SV_POSE") && cost < lowest_pose_cost) {
-            lowest_pose_cost = cost;
-            lowest_pose = q;
-          }
-          if (cold)
-            notes.push_back(fmt::format("starts {} agreeing {} agreed {} push/cost {:.3g}",
-                                        cold->result().starts, cold->result().agreeing,
-                                        cold->result().agreed, cold->summary().bound_push / cost));
-        }
-      }
-      if (getenv("SV_POSE"))
-        for (std::size_t c = 0; c < model.coordinates.size(); ++c)
-          fmt::print(stderr, "    {} {:.3f} [{:.2f} {:.2f}] {}\n", model.coordinates[c].name,
-                     lowest_pose[tree.q_of_coordinate[c]], model.coordinates[c].range_min,
-                     model.coordinates[c].range_max, model.coordinates[c].clamped);
-      double lowest = INFINITY;
-      for (const auto& of_method : costs) {
-        for (const double cost : of_method) lowest = std::min(lowest, cost);
-      }
-      for (std::size_t m = 0; m < scores.size(); ++m) {
-        for (std::size_t s = 0; s < costs[m].size(); ++s) {
-          const double excess = (costs[m][s] - lowest - noise) / std::max(lowest, noise);
-          const bool met = excess <= kSame;
-          (s == 0 ? scores[m].lowest_from_default : scores[m].lowest_from_random) += met;
-          scores[m].random += s > 0;
-          scores[m].worst = std::max(scores[m].worst, excess);
-          if (m == std::size(kMethods) && !met) {
-            fmt::print(stderr, "  {} frame {} start {}: {:.9e} above {:.9e}, {}\n", pair.name,
-                       frame, s, costs[m][s], lowest, notes[s]);
-          }
-        }
+    markers = std::move(recording.markers);
+    for (int f = 0; f < markers.frame_count(); ++f) {
+      if (pair.still || (markers.time[f] >= pair.from && markers.time[f] <= pair.to)) {
+        frames.push_back(f);
       }
     }
-    fmt::print("| {} | {} | {} |", pair.name, tree.unknown_count(), chosen.size());
-    for (const Score& s : scores) {
-      fmt::print(" {}/{}, {:.0f} % |", s.lowest_from_default, chosen.size(),
-                 s.random ? 100.0 * s.lowest_from_random / s.random : 100.0);
-    }
-    fmt::print(" {:.1e} | {:.1f} | {:.2f} | {:.2f} |\n", scores.back().worst,
-               search_starts / searches, 1e3 * scores.back().seconds / searches,
-               1e3 * scores.front().seconds / searches);
-    std::fflush(stdout);
   }
-  return 0;
+
+  // So many of the frames, evenly.
+  std::vector<int> spread(int count) const {
+    count = std::min(count, static_cast<int>(frames.size()));
+    std::vector<int> chosen;
+    for (int i = 0; i < count; ++i) {
+      const std::size_t last = frames.size() - 1;
+      chosen.push_back(frames[count == 1 ? 0 : i * last / static_cast<std::size_t>(count - 1)]);
+    }
+    return chosen;
+  }
+
+  MusculoskeletalModel model;
+  KinematicTree tree;
+  TrackingProblem tracking;
+  MarkerTrajectories markers;
+  std::vector<int> frames;
+};
+
+struct Score {
+  int lowest_from_default = 0, lowest_from_random = 0, random = 0;
+  double worst = 0.0, seconds = 0.0;
+};
+
+struct Tally {
+  std::vector<Score> scores = std::vector<Score>(std::size(kMethods) + 1);  // the last: the search
+  int frames = 0;
+  double searches = 0.0, starts = 0.0;
+};
+
+// Costs that one method, or the search, ends at from every pose; infinite where a pose does not
+// count.
+std::vector<double> descend(const Case& asked, const IkTargets& targets, std::size_t method,
+                            const std::vector<std::vector<double>>& poses, Tally& tally) {
+  MinimizerOptions options;
+  std::optional<Minimizer> minimizer;
+  std::optional<ColdStart> cold;
+  if (method < std::size(kMethods)) {
+    options.method = kMethods[method];
+    options.max_iterations = 500;  // or damping would creep for seconds
+    minimizer.emplace(asked.tree, asked.tracking.problem, options);
+  } else {
+    cold.emplace(asked.tree, asked.tracking.problem, options, ColdStartOptions{});
+  }
+  std::vector<double> costs;
+  for (const std::vector<double>& pose : poses) {
+    std::vector<double> q = pose;
+    const double begin = cpu_seconds();
+    const Summary& summary =
+        minimizer ? minimizer->minimize(targets, q) : cold->minimize(targets, q);
+    tally.scores[method].seconds += cpu_seconds() - begin;
+    costs.push_back(joints_are_plausible(asked.tree, q) ? summary.final_cost : INFINITY);
+    if (!cold) continue;
+    tally.searches += 1.0;
+    tally.starts += cold->result().starts;
+  }
+  return costs;
 }
 
+void survey_frame(const Pair& pair, const Case& asked, int frame, int starts, Tally& tally) {
+  IkTargets targets(asked.tracking.problem);
+  set_targets(asked.tracking, asked.markers, frame, targets);
+  std::mt19937_64 random(static_cast<std::uint64_t>(1000 + frame));
+  std::vector<std::vector<double>> poses = {asked.tree.default_q};
+  for (int s = 0; s < starts; ++s) poses.push_back(random_pose(asked.tree, random));
+  for (auto& pose : poses) prescribe(asked.tree, asked.markers.time[frame], pose);
+  std::vector<std::vector<double>> costs;
+  double lowest = INFINITY;
+  for (std::size_t m = 0; m < tally.scores.size(); ++m) {
+    costs.push_back(descend(asked, targets, m, poses, tally));
+    for (const double cost : costs.back()) lowest = std::min(lowest, cost);
+  }
+  const double noise = cost_noise(asked.tracking);
+  for (std::size_t m = 0; m < costs.size(); ++m) {
+    Score& score = tally.scores[m];
+    for (std::size_t s = 0; s < poses.size(); ++s) {
+      const double excess = (costs[m][s] - lowest - noise) / std::max(lowest, noise);
+      const bool met = excess <= kSame;
+      (s == 0 ? score.lowest_from_default : score.lowest_from_random) += met;
+      score.random += s > 0;
+      score.worst = std::max(score.worst, excess);
+      if (m == std::size(kMethods) && !met) {
+        fmt::print(stderr, "{}, frame {}, {}: the search ends at {:.9e}, {:.9e} was found\n",
+                   pair.name, frame, s == 0 ? "default pose" : fmt::format("random pose {}", s),
+                   costs[m][s], lowest);
+      }
+    }
+  }
+  ++tally.frames;
+}
+
+void print_row(const Pair& pair, const Case& asked, const Tally& tally) {
+  fmt::print("| {} | {} | {} |", pair.name, asked.tree.unknown_count(), tally.frames);
+  for (const Score& s : tally.scores) {
+    fmt::print(" {}/{}, {:.0f} % |", s.lowest_from_default, tally.frames,
+               s.random ? 100.0 * s.lowest_from_random / s.random : 100.0);
+  }
+  fmt::print(" {:.1e} | {:.1f} | {:.2f} | {:.2f} |\n", tally.scores.back().worst,
+             tally.starts / tally.searches, 1e3 * tally.scores.back().seconds / tally.searches,
+             1e3 * tally.scores.front().seconds / tally.searches);
+  std::fflush(stdout);
+}
+
+void survey(const std::string& list, int starts, int frames) {
+  fmt::print("| pair | unknowns | frames |");
+  for (const Method m : kMethods) fmt::print(" {} |", to_string(m));
+  fmt::print(" search | search: worst excess | starts | ms a search | ms {} |\n",
+             to_string(Method::kGaussNewton));
+  fmt::print("|---|---:|---:|{}---:|---:|---:|---:|---:|\n", "---:|---:|---:|---:|---:|");
+  for (const Pair& pair : read_list(list)) {
+    const Case asked(pair);
+    Tally tally;
+    const double begin = cpu_seconds();
+    for (const int frame : asked.spread(frames)) {
+      survey_frame(pair, asked, frame, starts, tally);
+      if (cpu_seconds() - begin > kMostSeconds) break;
+    }
+    print_row(pair, asked, tally);
+  }
+}
+
+}  // namespace
 }  // namespace sinew
 
 int main(int argc, char** argv) {
@@ -205,10 +230,10 @@ int main(int argc, char** argv) {
       fmt::print(stderr, "usage: survey LIST [STARTS] [FRAMES]\n");
       return 2;
     }
-    return sinew::main_of_survey(argv[1], argc > 2 ? std::stoi(argv[2]) : 16,
-                                 argc > 3 ? std::stoi(argv[3]) : 5);
+    sinew::survey(argv[1], argc > 2 ? std::stoi(argv[2]) : 16, argc > 3 ? std::stoi(argv[3]) : 5);
   } catch (const std::exception& error) {
     fmt::print(stderr, "survey: {}\n", error.what());
     return 1;
   }
+  return 0;
 }

@@ -41,13 +41,11 @@ laboratory() { # name c3d static
 }
 
 static_pair() { # name setup model set static
-  local folder=$work/$1
+  local folder=$work/$1 only=$work/$1/scaled.osim
   mkdir -p "$folder"
   "$sinew" scale --setup "$2" --model "$3" ${4:+--marker-set "$4"} --keep-markers \
-    --out-dir "$folder" >/dev/null 2>&1 || true
-  local only
-  only=$(find "$folder" -name '*.osim' | head -n 1)
-  [[ -n $only ]] || { echo "survey.sh: $1 could not be scaled" >&2; return; }
+    --out-dir "$folder" --out "$only" >/dev/null 2>&1 || true
+  [[ -f $only ]] || { echo "survey.sh: $1 could not be scaled" >&2; return; }
   pair "$1, static" "$only" "$5" "$2" "" "" static
 }
 
@@ -88,9 +86,8 @@ laboratory BTKData "$data/BTKData/PiG_Motion-FlatFoot-Full.c3d" \
   "$data/BTKData/PiG_Calibration-FlatFoot-Full.c3d"
 laboratory sample_09 "$data/c3d.org/sample_09/PlugInC3D.c3d"
 laboratory sample_01 "$data/c3d.org/sample_01/Eb015pi.c3d"
-"$sinew" example --out "$work/detailed" >/dev/null
-"$sinew" example --level simplified --out "$work/simplified" >/dev/null
 for level in simplified detailed; do
+  "$sinew" example --level $level --noise 0.001 --soft-tissue 0.01 --out "$work/$level" >/dev/null
   pair "embedded walk, $level" "$work/$level/model.osim" "$work/$level/walk.trc" \
     "$work/$level/ik_tasks.xml" "" "" walk
 done
@@ -103,7 +100,7 @@ report=tests/bench/survey.md
 Written by \`tests/bench/survey.sh\`. A cell says in how many of the frames the method ends at the
 lowest cost from the default pose, and from how many of the random poses; the lowest is that of all
 methods, starts and searches, and is met within 1e-6 of it. \`search\` is what frames get that start
-cold. Poses in which a joint that functions follow has turned by more than half a turn do not count.
+cold. A pair is given a minute, after which no further frame is begun. Poses in which a joint that functions follow has turned by more than half a turn do not count.
 
 TEXT
   build/release/bin/survey "$list" "$starts" "$frames"
