@@ -46,7 +46,7 @@ std::vector<Segment> segments_of(const MusculoskeletalModel& model, const Kinema
 }
 
 std::string some_names(const MusculoskeletalModel& model, const std::vector<int>& coordinates) {
-  constexpr std::size_t kShown = 12;
+  constexpr std::size_t kShown = 6;
   std::string text;
   for (std::size_t i = 0; i < std::min(kShown, coordinates.size()); ++i) {
     text += (i == 0 ? "" : ", ") + model.coordinates[static_cast<std::size_t>(coordinates[i])].name;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "data/finding.h"
@@ -69,7 +70,7 @@ void add_shares(const std::vector<Missing>& all, int frames, double rate,
                                      "the frames: {}",
                                      often.size() == 1 ? "" : "s", list_names(often)),
                          100.0 * most, 100.0 * kMostFilledMarker,
-                         "Label them, or leave them out with --drop."));
+                         "label them, or leave them out with --drop"));
   }
   if (!hardly.empty()) {
     VerdictReason reason =
@@ -77,46 +78,62 @@ void add_shares(const std::vector<Missing>& all, int frames, double rate,
            fmt::format("marker{} that {} hardly ever seen and say{} nothing: {}",
                        hardly.size() == 1 ? "" : "s", hardly.size() == 1 ? "is" : "are",
                        hardly.size() == 1 ? "s" : "", list_names(hardly)),
-           std::nan(""), std::nan(""), "Label them, or leave them out with --drop.");
+           std::nan(""), std::nan(""), "label them, or leave them out with --drop");
     reason.unit.clear();
     reasons.push_back(reason);
   }
 }
 
-std::string times_of(const UndeterminedStretch& stretch, const MarkerTrajectories& markers) {
-  return fmt::format("{} s to {} s", time_text(markers.time[stretch.first]),
-                     time_text(markers.time[stretch.first + stretch.count - 1]));
+// `0.1 s to 0.2 s, 0.5 s to 0.6 s and 3 others` of frames in ascending order.
+std::string times_of(const std::set<int>& frames, const MarkerTrajectories& markers) {
+  std::vector<std::string> times;
+  for (auto f = frames.begin(); f != frames.end();) {
+    const int first = *f;
+    int last = first;
+    while (++f != frames.end() && *f == last + 1) ++last;
+    times.push_back(
+        fmt::format("{} s to {} s", time_text(markers.time[first]), time_text(markers.time[last])));
+  }
+  return list_names(times, 4);
 }
 
 void add_undetermined(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
                       int frames, const std::vector<UndeterminedStretch>& stretches,
                       std::vector<VerdictReason>& reasons) {
   if (stretches.empty()) return;
-  std::set<int> frames_seen, coordinates;
-  std::vector<std::string> times;
+  std::set<int> frames_seen;
+  std::map<int, int> frames_of;  // by coordinate
   bool nothing = false;
   for (const UndeterminedStretch& stretch : stretches) {
     for (int f = stretch.first; f < stretch.first + stretch.count; ++f) frames_seen.insert(f);
-    coordinates.insert(stretch.coordinates.begin(), stretch.coordinates.end());
-    times.push_back(times_of(stretch, markers));
+    for (const int c : stretch.coordinates) frames_of[c] += stretch.count;
     nothing = nothing || stretch.measured_markers == 0;
   }
-  std::vector<std::string> names;
-  for (const int c : coordinates) {
-    names.push_back(model.coordinates[static_cast<std::size_t>(c)].name);
+  std::vector<std::string> names, spoiled;
+  double most = 0.0;
+  bool root = false;
+  for (const auto& [c, count] : frames_of) {
+    const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
+    const double share = double(count) / frames;
+    names.push_back(coordinate.name);
+    most = std::max(most, share);
+    if (share <= kMostUndetermined) continue;
+    spoiled.push_back(coordinate.name);
+    root = root || model.joints[static_cast<std::size_t>(coordinate.joint)].parent == 0;
   }
-  const double share = double(frames_seen.size()) / frames;
   VerdictReason reason =
       of("gap",
          fmt::format("too few markers are seen to tell {} from {}{}: there nothing is measured, "
                      "the values go on from what is known beside it",
-                     nothing ? "the pose" : list_names(names), list_names(times, 4),
+                     nothing ? "the pose" : list_names(names), times_of(frames_seen, markers),
                      nothing ? ", and none at all in part of it" : ""),
-         100.0 * share, 100.0 * kMostUndetermined,
-         "Use no angles and torques of these times, or solve a part with --from and --to.");
-  if (share > kMostUndetermined) reason.weight = VerdictReason::Weight::kUnusable;
-  reason.angles = names;
-  reason.torques = names;
+         100.0 * most, std::nan(""),
+         "use no angles and torques of these times, or solve a part with --from and --to");
+  reason.unit = "% of the frames";
+  if (!spoiled.empty()) reason.limit = 100.0 * kMostUndetermined;
+  if (root) reason.weight = VerdictReason::Weight::kUnusable;
+  reason.angles = spoiled;
+  reason.torques = spoiled;
   reasons.push_back(std::move(reason));
 }
 

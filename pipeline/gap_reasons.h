@@ -14,9 +14,10 @@ namespace sinew {
 /// `filled-share`: the tracked markers that are not measured in more than a quarter of the frames,
 ///   whether they were filled or stay missing (the share of all samples is judged with the fit).
 /// `gap`: stretches that leave coordinates undetermined, with their times and these coordinates,
-///   of which neither angles nor torques can be used there; unusable where that is more than a
-///   quarter of the frames. And markers that are measured in fewer frames than a tenth of a second
-///   has, which say nothing.
+///   of which neither angles nor torques can be used there. The figure is the largest share of the
+///   frames that a coordinate is undetermined in. Those that are so in more than a quarter cannot
+///   be used at all, and nothing can if one of them moves the whole body. And markers that are
+///   measured in fewer frames than a tenth of a second has, which say nothing.
 std::vector<VerdictReason> gap_reasons(const MusculoskeletalModel& model,
                                        const TrackingProblem& tracking,
                                        const MarkerTrajectories& markers, int first, int end,

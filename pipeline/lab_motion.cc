@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -26,6 +27,8 @@ constexpr double kWalkingCutoff = 6.0, kRunningCutoff = 15.0;  // [Hz]
 constexpr double kMaxGap = 0.1;  // [s]
 // What a sample may be off to say as much of sizes as a measured one: less than skin moves it [m].
 constexpr double kGoodFill = 0.002;
+// Markers on a segment that tell where it is and how it is turned.
+constexpr int kTellAPose = 3;
 // As when sizes are fitted [1/rad² over 1/m²]. With a tenth of it spines of real trials buckled to
 // one side and, from one frame to the next, to the other.
 const double kPostureWeight =
@@ -144,16 +147,45 @@ void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, De
   prepare_markers(markers, path, prepare, warnings);
 }
 
+namespace {
+
+// Of the tracked markers those on the segment that all others hang from; none where it never has
+// the three that tell its pose.
+std::vector<int> root_markers(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
+                              const std::vector<int>& tracked, std::string& segment) {
+  std::map<int, std::vector<int>> by_body;
+  for (const int m : tracked) {
+    const int marker = model.find_marker(markers.names[static_cast<std::size_t>(m)]);
+    const int body = model.markers[static_cast<std::size_t>(marker)].body;
+    if (body == 0) continue;
+    const Joint& joint = model.joints[static_cast<std::size_t>(body) - 1];
+    if (joint.parent == 0 && joint.kind != Joint::Kind::kWeld) by_body[body].push_back(m);
+  }
+  if (by_body.size() != 1) return {};
+  const auto& [body, root] = *by_body.begin();
+  segment = model.bodies[static_cast<std::size_t>(body)].name;
+  for (int f = 0; f < markers.frame_count(); ++f) {
+    if (measured_count(markers, f, root) >= kTellAPose) return root;
+  }
+  return {};
+}
+
+}  // namespace
+
 std::pair<double, double> settle_range(const MarkerTrajectories& markers,
                                        const MusculoskeletalModel& model, DecisionLog& log) {
   const std::vector<int> tracked = tracked_markers(markers, model);
+  std::string segment;
+  const std::vector<int> root = root_markers(markers, model, tracked, segment);
   int first = -1, last = -1;
   for (int f = 0; f < markers.frame_count(); ++f) {
     if (2 * measured_count(markers, f, tracked) < static_cast<int>(tracked.size())) continue;
+    if (!root.empty() && measured_count(markers, f, root) < kTellAPose) continue;
     if (first < 0) first = f;
     last = f;
   }
-  const char* why = "[s] where at least half of the tracked markers are measured";
+  std::string why = "[s] where at least half of the tracked markers are measured";
+  if (!root.empty()) why += ", three on the " + segment + " among them";
   if (first < 0) {
     first = 0;
     last = markers.frame_count() - 1;

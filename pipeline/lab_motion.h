@@ -34,7 +34,9 @@ void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, De
                         std::vector<Warning>& warnings);
 
 /// Settles from and to: from the first frame to the last in which at least half of the model's
-/// recorded markers are measured.
+/// recorded markers are measured, and of those on the segment that all others hang from three, if
+/// it ever has as many: before that and after it the whole body would turn with what little is
+/// seen.
 std::pair<double, double> settle_range(const MarkerTrajectories& markers,
                                        const MusculoskeletalModel& model, DecisionLog& log);
 

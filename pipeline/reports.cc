@@ -164,7 +164,7 @@ std::vector<Warning> frame_warnings(const TrackingResult& result, const std::str
   if (!unmeasured.empty()) {
     warnings.push_back({{file, 0},
                         fmt::format("no tracked marker is measured in {} of {} frames, "
-                                    "which repeat the pose before: {}",
+                                    "where angles go on from what is known beside them: {}",
                                     unmeasured.size(), result.frames.size(), some_of(unmeasured))});
   }
   return warnings;

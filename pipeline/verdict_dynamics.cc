@@ -49,8 +49,10 @@ void judge_coverage(const DynamicsEvidence& d, std::vector<VerdictReason>& reaso
     if (foot.complete == 0)
       r->torques.insert(r->torques.end(), foot.torques.begin(), foot.torques.end());
   }
-  r->text = d.by_platforms ? "all ground forces are known"
-                           : "the loads carry the body (more than half of its weight)";
+  r->text =
+      d.by_platforms
+          ? "all ground forces are known in a part of the trial only"
+          : "the loads carry the body (more than half of its weight) in a part of the trial only";
   r->remedy = d.by_platforms
                   ? "elsewhere torques of that leg lack them: ..._loads_complete of id.sto is 0"
                   : "elsewhere a step was not measured: --from and --to leave it out";

@@ -36,8 +36,10 @@ void judge_frames(const KinematicsEvidence& k, std::vector<VerdictReason>& reaso
   }
   if (auto* r = judge_figure(reasons, {k.unmeasured / frames, kUnmeasured, kWorstUnmeasured}, 100.0,
                              "%", "unmeasured-frames", kOwn)) {
-    r->text = fmt::format("in {} of {} frames no marker was measured: they repeat the pose before",
-                          k.unmeasured, k.frames);
+    r->text = fmt::format(
+        "in {} of {} frames no marker was measured: the angles there go on from what is known "
+        "beside them",
+        k.unmeasured, k.frames);
     r->remedy = "leave them out: --from and --to";
     blame_all(k, r);
   }

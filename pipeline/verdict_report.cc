@@ -43,15 +43,39 @@ std::string figure_text(const VerdictReason& r) {
   if (!std::isfinite(r.limit)) return text;
   // Of `% of the frames` the first word is enough.
   const std::string unit = r.unit.substr(0, r.unit.find(' '));
-  text += fmt::format(" (normal: {} {}{}{}", r.figure < r.limit ? "at least" : "at most",
-                      text_of(r.limit), unit.empty() ? "" : " ", unit);
+  const bool whole = unit == "%" && r.limit == 100.0;
+  const char* word = whole ? "" : r.figure < r.limit ? "at least " : "at most ";
+  text += r.limit == 0.0 && r.figure > 0.0
+              ? " (normal: none"
+              : fmt::format(" (normal: {}{}{}{}", word, text_of(r.limit), unit.empty() ? "" : " ",
+                            unit);
   if (!r.source.empty() && r.source != limits::kOwn) text += ", " + r.source;
   return text + ")";
 }
 
-std::string reason_text(const VerdictReason& r) {
-  return fmt::format("  - {}{}{}{}\n", r.text, figure_text(r), r.remedy.empty() ? "" : "; ",
-                     r.remedy);
+// `more`: how many others of its kind there are.
+std::string reason_text(const VerdictReason& r, std::size_t more) {
+  return fmt::format("  - {}{}{}{}{}\n", r.text, figure_text(r),
+                     more == 0 ? "" : fmt::format(", and {} more like it", more),
+                     r.remedy.empty() ? "" : "; ", r.remedy);
+}
+
+// The first of each kind, with what helps, and how many follow.
+std::vector<std::pair<const VerdictReason*, std::size_t>> kinds_of(
+    const std::vector<VerdictReason>& reasons) {
+  std::vector<std::pair<const VerdictReason*, std::size_t>> kinds;
+  for (const VerdictReason& r : reasons) {
+    const auto same = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) {
+      return kind.first->code == r.code && kind.first->weight == r.weight &&
+             kind.first->remedy == r.remedy;
+    });
+    if (same != kinds.end()) {
+      ++same->second;
+    } else {
+      kinds.push_back({&r, 0});
+    }
+  }
+  return kinds;
 }
 
 // `angles: hip_r, knee_r`; empty if none of the joints is used so.
@@ -144,12 +168,12 @@ std::string verdict_text(const Verdict& verdict, int lines) {
   std::string text = fmt::format("verdict: {}\n", kWords[static_cast<int>(verdict.level)]);
   const std::string use = use_text(verdict);
   const auto room = static_cast<std::size_t>(std::max(0, lines - 1 - (use.empty() ? 0 : 1)));
-  std::size_t shown = std::min(verdict.reasons.size(), room);
-  if (shown < verdict.reasons.size() && shown > 0) --shown;
-  for (std::size_t i = 0; i < shown; ++i) text += reason_text(verdict.reasons[i]);
-  if (shown < verdict.reasons.size() && room > 0) {
-    text +=
-        fmt::format("  - and {} more: see the verdict's file\n", verdict.reasons.size() - shown);
+  const auto kinds = kinds_of(verdict.reasons);
+  std::size_t shown = std::min(kinds.size(), room);
+  if (shown < kinds.size() && shown > 0) --shown;
+  for (std::size_t i = 0; i < shown; ++i) text += reason_text(*kinds[i].first, kinds[i].second);
+  if (shown < kinds.size() && room > 0) {
+    text += fmt::format("  - and {} more: see the verdict's file\n", kinds.size() - shown);
   }
   return text + use;
 }

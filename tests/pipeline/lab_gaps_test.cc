@@ -379,6 +379,28 @@ TEST_F(LabGaps, AMarkerOfThreeFramesSaysNothingAndIsNamed) {
   }
 }
 
+// A small volume: the feet are seen first, and two markers of a pelvis tell no pose.
+TEST_F(LabGaps, BeginsWhereThePelvisIsSeen) {
+  C3dFile file = read_c3d(path() / "walk.c3d");
+  for (const char* name : {"RASI", "LASI", "RPSI", "LPSI", "SACR"}) {
+    const int marker = file.markers.find_marker(name);
+    ASSERT_GE(marker, 0) << name;
+    const bool early = name == std::string("RASI") || name == std::string("SACR");
+    hide(file.markers, marker, 0, early ? 20 : 45);
+    hide(file.markers, marker, 190, file.markers.frame_count() - 190);
+  }
+  write_c3d(path() / "small.c3d", file);
+  const Outcome outcome = run("small.c3d", "small", {"--no-fill-rigid", "--max-gap", "0"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const TimeTable motion = table("small/ik.mot");
+  EXPECT_NEAR(motion.time[0], file.markers.time[45], 1e-9);
+  EXPECT_NEAR(motion.time[motion.time.size() - 1], file.markers.time[189], 1e-9);
+  const Json from = decision(json("small/decisions.json"), "from");
+  EXPECT_TRUE(holds(from["why"].get<std::string>(), "three on the pelvis among them"))
+      << from.dump();
+  EXPECT_EQ(reasons("small", "jump"), "");
+}
+
 // A gap must not switch the filter of everything else.
 TEST_F(LabGaps, OneFilterForOneTrial) {
   C3dFile file = read_c3d(path() / "walk.c3d");

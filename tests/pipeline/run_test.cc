@@ -262,7 +262,8 @@ TEST_F(Run, NamesFramesWithoutAnyMarker) {
   const Outcome outcome = run({"--loads", "grf.xml", "--out", "r"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_NE(outcome.err.find("warning: walk.trc: no tracked marker is measured in 10 of 151 "
-                             "frames, which repeat the pose before: 0.5 s, 0.51 s, 0.52 s, 0.53 s, "
+                             "frames, where angles go on from what is known beside them: 0.5 s, "
+                             "0.51 s, 0.52 s, 0.53 s, "
                              "0.54 s, 0.55 s, 0.56 s, 0.57 s and 2 more\n"),
             std::string::npos)
       << outcome.err;

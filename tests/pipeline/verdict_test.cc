@@ -395,6 +395,38 @@ TEST(VerdictReport, NeverGrowsBeyondItsLines) {
   }
 }
 
+TEST(VerdictReport, CountsWhatIsOfOneKind) {
+  VerdictEvidence e = evidence_of_two_joints();
+  for (const char* text : {"RTOE sits beside it", "RHEE sits beside it", "RANK sits beside it"}) {
+    VerdictReason r;
+    r.code = "moved-marker";
+    r.text = text;
+    r.figure = 50.0;
+    r.limit = 40.0;
+    r.unit = "mm";
+    r.remedy = "look";
+    e.found.push_back(r);
+  }
+  VerdictReason bare;
+  bare.code = "segment-without-marker";
+  bare.text = "both hands have no marker";
+  bare.figure = 2.0;
+  bare.limit = 0.0;
+  e.found.push_back(bare);
+  VerdictReason part;
+  part.code = "loads-missing";
+  part.text = "loads are known in a part only";
+  part.figure = 16.2;
+  part.limit = 100.0;
+  part.unit = "% of the frames";
+  e.found.push_back(part);
+  EXPECT_EQ(verdict_text(judge(e), 12),
+            "verdict: usable with remarks\n"
+            "  - RTOE sits beside it: 50 mm (normal: at most 40 mm), and 2 more like it; look\n"
+            "  - both hands have no marker: 2 (normal: none)\n"
+            "  - loads are known in a part only: 16.2 % of the frames (normal: 100 %)\n");
+}
+
 TEST(VerdictReport, StandsBesideItsOutput) {
   EXPECT_EQ(verdict_path("a/q.mot"), "a/q_verdict.json");
   EXPECT_EQ(verdict_path("id.sto"), "id_verdict.json");
