@@ -27,12 +27,6 @@ constexpr double kPreferred = 1e-8;
 // of it. Wires and virtual links leave many minima below it, of which none is truer than another.
 constexpr double kExact = 1e-5;
 
-// The chosen solution is polished to this part of the gradient's tolerance: along weakly held
-// unknowns starts end apart from each other by what the tolerance allows, and the frames that
-// follow carry it on. On the embedded walk without noise C7 was 3.8e-4 rad off before, 3e-7 after.
-constexpr double kPolish = 1e-2;
-constexpr int kPolishIterations = 500;
-
 // Two starts that agree are enough where the cost has no better place beyond a bound. Wrong minima
 // mostly sit on one: where going 0.1 rad beyond it would, by the gradient, save more than this part
 // of the cost, so many starts are made at least. tests/bench/survey.md: with two, 6 of 17 starts of
@@ -411,23 +405,10 @@ const ColdStart::Found& ColdStart::best() const {
 }
 
 // The workspace is that of the last descent; it becomes that of the best.
-void ColdStart::settle(const IkTargets& targets, std::span<double> q) {
-  Found chosen = best();
+void ColdStart::settle(std::span<double> q) {
+  const Found& chosen = best();
   int evaluations = 0;
   for (const Found& found : found_) evaluations += found.summary.evaluations;
-  if (search_.starts > 1 && options_.gradient_tolerance > 0.0) {
-    MinimizerOptions polish = options_;
-    polish.gradient_tolerance *= kPolish;
-    polish.max_iterations = std::min(options_.max_iterations, kPolishIterations);
-    polish.record_iterations = false;
-    std::vector<double> polished = chosen.q;
-    const Summary summary = Minimizer(tree_, problem_, polish).minimize(targets, polished);
-    evaluations += summary.evaluations;
-    if (summary.final_cost <= chosen.summary.final_cost && joints_are_plausible(tree_, polished)) {
-      chosen.q = polished;
-      chosen.summary.final_cost = summary.final_cost;
-    }
-  }
   summary_ = chosen.summary;
   summary_.evaluations = evaluations;
   std::copy(chosen.q.begin(), chosen.q.end(), q.begin());
@@ -447,7 +428,7 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
   } else {
     search(targets, std::vector<double>(q.begin(), q.end()), false);
   }
-  settle(targets, q);
+  settle(q);
   return summary_;
 }
 
@@ -459,7 +440,7 @@ bool ColdStart::look_again(const IkTargets& targets, std::span<double> q, double
   found_.back().summary.evaluations = 0;
   search(targets, doubted, true);
   if (!(lowest_ < cost * (1.0 - kSameCost) - exact_)) return false;
-  settle(targets, q);
+  settle(q);
   return lowest_ < cost * (1.0 - kSameCost) - exact_;
 }
 
