@@ -66,6 +66,9 @@ class LabAttacher {
 
   bool any() const { return !unmatched_.empty(); }
 
+  // Not to be attached, nor to tell where others are.
+  void leave_out(const Unmatched& marker) { std::erase(candidates_, marker.recorded); }
+
   // Rounds, for what is attached may tell where another segment is.
   void find() {
     for (int round = 0; round < kRounds && !candidates_.empty(); ++round) {
@@ -251,6 +254,26 @@ std::map<std::string, std::string> said_bodies(const std::vector<std::string>& s
 
 }  // namespace
 
+namespace {
+
+// What the user's map gives no name in the model is left out, unless --attach says otherwise.
+void leave_out_of_map(const LabOptions& options, const std::map<std::string, std::string>& said,
+                      LabAttacher& attacher, DecisionLog& log) {
+  if (options.map.empty()) return;
+  const MarkerMap map = read_marker_map(options.map);
+  for (const Unmatched& marker : attacher.unmatched()) {
+    const bool left_out = std::any_of(map.begin(), map.end(), [&](const auto& entry) {
+      return entry.second.empty() &&
+             (entry.first == marker.name || entry.first.ends_with(":" + marker.name));
+    });
+    if (!left_out || said.contains(marker.name)) continue;
+    attacher.leave_out(marker);
+    log.say("attach " + marker.name, "", options.given_now.contains("--map"));
+  }
+}
+
+}  // namespace
+
 void attach_lab_markers(const LabAttachment& job, const LabOptions& options, int threads,
                         DecisionLog& log) {
   LabAttacher attacher(job, threads);
@@ -269,6 +292,7 @@ void attach_lab_markers(const LabAttachment& job, const LabOptions& options, int
                                        "",
                                        "--no-attach"},
                                       true);
+  leave_out_of_map(options, said, attacher, log);
   if (wanted) attacher.find();
   MusculoskeletalModel attached = attacher.model();
   attached.markers.clear();

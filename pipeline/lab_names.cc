@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "data/finding.h"
 #include "data/marker_matching.h"
 #include "pipeline/command.h"
 
@@ -14,6 +15,7 @@ using Json = nlohmann::ordered_json;
 
 // What two bodies need to be found.
 constexpr int kLeastMarkers = 6;
+constexpr std::size_t kNamesShown = 12;
 
 // Entries of the user's map that this recording has, for one map may serve several trials.
 MarkerMap entries_of(const MarkerMap& map, const std::vector<std::string>& recorded) {
@@ -76,13 +78,10 @@ void report_unmatched(const MarkerMatching& matching, const std::vector<std::str
                       std::vector<Warning>& warnings) {
   const auto tell = [&](const std::vector<int>& indices, const std::vector<std::string>& names,
                         const char* what) {
-    std::string list;
-    for (const std::string& name : names_of(indices, names)) {
-      list += (list.empty() ? "" : ", ") + name;
-    }
-    if (!indices.empty()) {
-      report(warnings, {{{path}, fmt::format("{} {}: {}", indices.size(), what, list)}});
-    }
+    if (indices.empty()) return;
+    report(warnings, {{{path},
+                       fmt::format("{} {}: {}", indices.size(), what,
+                                   list_names(names_of(indices, names), kNamesShown))}});
   };
   tell(matching.unused, recorded, "recorded markers have no name that the model knows");
   tell(matching.missing, model, "markers of the model are not recorded");

@@ -117,6 +117,18 @@ TEST_F(LabAttach, OptionsDecideOtherwise) {
 
 // All markers of a thigh have names that the model does not know, and the walk has none of the
 // knee's: what tells the thigh is a cluster whose place the static trial gives.
+TEST_F(LabAttach, WhatAMapLeavesOutStaysOut) {
+  trial_->write("map.csv", "recorded,model\nBand,\n");
+  ASSERT_EQ(run("m", {"--map", "map.csv"}).exit_code, 0);
+  EXPECT_EQ(decision("m/decisions.json", "attach Band")["value"], "");
+  EXPECT_EQ(decision("m/decisions.json", "attach Wrap")["value"], "tibia_l");
+  EXPECT_EQ(read_osim(path() / "m/model.osim").find_marker("Band"), -1);
+  const Outcome again =
+      run_sinew(path(), {"run", "--decisions", "m/decisions.json", "--out", "m2"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(content_of(path() / "m2/ik.mot"), content_of(path() / "m/ik.mot"));
+}
+
 TEST_F(LabAttach, AClusterIsCarriedFromTheStaticTrial) {
   const auto rename = [](const char* from, const char* to, bool knee) {
     MarkerTrajectories markers = read_trc(path() / from).markers;
