@@ -180,8 +180,6 @@ struct ColdStart::Found {
   std::vector<double> q;
   Summary summary;
   bool plausible = true;
-  double weight = 0.0;  // of the measured markers
-  bool again = false;   // in a search from a solution that is doubted
 };
 
 bool joints_are_plausible(const KinematicTree& tree, std::span<const double> q) {
@@ -322,7 +320,7 @@ void ColdStart::descend(const Start& start, const IkTargets& targets, std::vecto
     evaluations += helper(start.helper).minimize(targets, q).evaluations;
   }
   const Summary& summary = final_.minimize(targets, q);
-  found_.push_back({start, q, summary, joints_are_plausible(tree_, q), 0.0, false});
+  found_.push_back({start, q, summary, joints_are_plausible(tree_, q)});
   found_.back().summary.evaluations += evaluations;
 }
 
@@ -344,14 +342,15 @@ bool ColdStart::agreed() {
   return agreed;
 }
 
-// How many starts to make at least, by what the best solution so far is like.
-int ColdStart::least_starts() const {
+// How many starts to make at least, by what the best solution so far is like. `weight`: of the
+// measured markers; `again`: from a solution that is doubted.
+int ColdStart::least_starts(double weight, bool again) const {
   const Found& found = best();
   const double cost = found.summary.final_cost;
-  if (!found.again && kReach * found.summary.bound_push > kHeldBack * cost) return kMostDoubted;
-  const auto is_farther = [&](double limit) { return cost > 0.5 * found.weight * limit * limit; };
+  if (!again && kReach * found.summary.bound_push > kHeldBack * cost) return kMostDoubted;
+  const auto is_farther = [&](double limit) { return cost > 0.5 * weight * limit * limit; };
   if (is_farther(kWorseFit)) return kMostDoubted;
-  if (found.again || !is_farther(kBadFit)) return 2;
+  if (again || !is_farther(kBadFit)) return 2;
   const bool unanimous = result_.agreeing == static_cast<int>(found_.size());
   return unanimous ? kUnanimous : kMostDoubted;
 }
@@ -368,22 +367,16 @@ void ColdStart::search(const IkTargets& targets, std::span<const double> given, 
     }
   }
   const double weight = measured_weight(problem_, targets);
-  for (Found& doubted : found_) {
-    doubted.weight = weight;
-    doubted.again = again;
-  }
   for (int i = 0; i < search_.starts; ++i) {
     const Start start = again ? Start::again(i) : Start::cold(i);
     std::vector<double> q = pose(start, targets, given);
     descend(start, targets, q);
     const double cost = found_.back().summary.final_cost;
-    found_.back().weight = weight;
-    found_.back().again = again;
     if (found_.back().plausible && cost < lowest_) lowest_ = cost;
     result_.starts = i + 1;
     result_.agreed = agreed();
     if (lowest_ <= exact_ && best().summary.converged()) break;
-    if (result_.agreed && result_.starts >= least_starts()) break;
+    if (result_.agreed && result_.starts >= least_starts(weight, again)) break;
   }
   result_.lowest = lowest_;
   for (const Found& found : found_) {
@@ -421,7 +414,7 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
   found_.clear();
   lowest_ = kInfinity;
   if (search_.starts == 1) {  // the given pose, as it is
-    found_.push_back({{}, std::vector<double>(q.begin(), q.end()), {}, true, 0.0, false});
+    found_.push_back({{}, std::vector<double>(q.begin(), q.end()), {}, true});
     found_.back().summary = final_.minimize(targets, found_.back().q);
     lowest_ = found_.back().summary.final_cost;
     result_ = {1, 1, false, lowest_, kNaN};
@@ -435,13 +428,13 @@ const Summary& ColdStart::minimize(const IkTargets& targets, std::span<double> q
 bool ColdStart::look_again(const IkTargets& targets, std::span<double> q, double cost) {
   const std::vector<double> doubted(q.begin(), q.end());
   found_.clear();
-  found_.push_back({{}, doubted, {}, true, 0.0, false});
+  found_.push_back({{}, doubted, {}, true});
   found_.back().summary.final_cost = lowest_ = cost;
   found_.back().summary.evaluations = 0;
   search(targets, doubted, true);
   if (!(lowest_ < cost * (1.0 - kSameCost) - exact_)) return false;
   settle(q);
-  return lowest_ < cost * (1.0 - kSameCost) - exact_;
+  return true;
 }
 
 }  // namespace sinew

@@ -75,7 +75,7 @@ class ColdStart {
   std::vector<double> outward(const IkTargets& targets, std::vector<double> q);
   void descend(const Start& start, const IkTargets& targets, std::vector<double>& q);
   bool agreed();
-  int least_starts() const;
+  int least_starts(double weight, bool again) const;
   void search(const IkTargets& targets, std::span<const double> given, bool again);
   const Found& best() const;
   void settle(std::span<double> q);

@@ -149,21 +149,25 @@ void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, De
 
 namespace {
 
+// The body that a tracked marker is on.
+int body_of(const MarkerTrajectories& markers, const MusculoskeletalModel& model, int marker) {
+  const int m = model.find_marker(markers.names[static_cast<std::size_t>(marker)]);
+  return model.markers[static_cast<std::size_t>(m)].body;
+}
+
 // Of the tracked markers those on the segment that all others hang from; none where it never has
 // the three that tell its pose.
 std::vector<int> root_markers(const MarkerTrajectories& markers, const MusculoskeletalModel& model,
-                              const std::vector<int>& tracked, std::string& segment) {
+                              const std::vector<int>& tracked) {
   std::map<int, std::vector<int>> by_body;
   for (const int m : tracked) {
-    const int marker = model.find_marker(markers.names[static_cast<std::size_t>(m)]);
-    const int body = model.markers[static_cast<std::size_t>(marker)].body;
+    const int body = body_of(markers, model, m);
     if (body == 0) continue;
     const Joint& joint = model.joints[static_cast<std::size_t>(body) - 1];
     if (joint.parent == 0 && joint.kind != Joint::Kind::kWeld) by_body[body].push_back(m);
   }
   if (by_body.size() != 1) return {};
-  const auto& [body, root] = *by_body.begin();
-  segment = model.bodies[static_cast<std::size_t>(body)].name;
+  const std::vector<int>& root = by_body.begin()->second;
   for (int f = 0; f < markers.frame_count(); ++f) {
     if (measured_count(markers, f, root) >= kTellAPose) return root;
   }
@@ -175,8 +179,7 @@ std::vector<int> root_markers(const MarkerTrajectories& markers, const Musculosk
 std::pair<double, double> settle_range(const MarkerTrajectories& markers,
                                        const MusculoskeletalModel& model, DecisionLog& log) {
   const std::vector<int> tracked = tracked_markers(markers, model);
-  std::string segment;
-  const std::vector<int> root = root_markers(markers, model, tracked, segment);
+  const std::vector<int> root = root_markers(markers, model, tracked);
   int first = -1, last = -1;
   for (int f = 0; f < markers.frame_count(); ++f) {
     if (2 * measured_count(markers, f, tracked) < static_cast<int>(tracked.size())) continue;
@@ -185,7 +188,11 @@ std::pair<double, double> settle_range(const MarkerTrajectories& markers,
     last = f;
   }
   std::string why = "[s] where at least half of the tracked markers are measured";
-  if (!root.empty()) why += ", three on the " + segment + " among them";
+  if (!root.empty()) {
+    const int body = body_of(markers, model, root.front());
+    why += fmt::format(", three on the {} among them",
+                       model.bodies[static_cast<std::size_t>(body)].name);
+  }
   if (first < 0) {
     first = 0;
     last = markers.frame_count() - 1;

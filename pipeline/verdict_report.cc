@@ -37,18 +37,21 @@ Json reason_json(const VerdictReason& r) {
           {"torques", r.torques}};
 }
 
+// `at most 20 mm` of a reason with a limit.
+std::string normal_text(const VerdictReason& r) {
+  if (r.limit == 0.0 && r.figure > 0.0) return "none";
+  // Of `% of the frames` the first word is enough.
+  const std::string unit = r.unit.substr(0, r.unit.find(' '));
+  const std::string limit = fmt::format("{}{}{}", text_of(r.limit), unit.empty() ? "" : " ", unit);
+  if (unit == "%" && r.limit == 100.0) return limit;
+  return (r.figure < r.limit ? "at least " : "at most ") + limit;
+}
+
 std::string figure_text(const VerdictReason& r) {
   if (!std::isfinite(r.figure)) return "";
   std::string text = fmt::format(": {}{}{}", text_of(r.figure), r.unit.empty() ? "" : " ", r.unit);
   if (!std::isfinite(r.limit)) return text;
-  // Of `% of the frames` the first word is enough.
-  const std::string unit = r.unit.substr(0, r.unit.find(' '));
-  const bool whole = unit == "%" && r.limit == 100.0;
-  const char* word = whole ? "" : r.figure < r.limit ? "at least " : "at most ";
-  text += r.limit == 0.0 && r.figure > 0.0
-              ? " (normal: none"
-              : fmt::format(" (normal: {}{}{}{}", word, text_of(r.limit), unit.empty() ? "" : " ",
-                            unit);
+  text += " (normal: " + normal_text(r);
   if (!r.source.empty() && r.source != limits::kOwn) text += ", " + r.source;
   return text + ")";
 }

@@ -6,15 +6,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 starts=${1:-16} frames=${2:-5}
-data=$PWD/../shared/data
-[[ -d $data ]] || { echo "survey.sh: no recordings: $data is missing" >&2; exit 1; }
-
-cmake --preset release >/dev/null
-cmake --build --preset release --target sinew survey
-sinew=$PWD/build/release/bin/sinew
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 source tests/bench/survey_pairs.sh
+cmake --build --preset release --target survey
 
 report=tests/bench/survey.md
 {

@@ -1,7 +1,15 @@
-# To be sourced: every model and recording in ../shared/data that inverse kinematics can be solved for,
-# static trials and the embedded walk with noise included. $work is a folder for what has to be made,
-# $sinew the program, $data the recordings; $list becomes a line a pair, as survey.cc reads it.
+# To be sourced in the project's root: builds the program, $sinew, and lists every model and recording
+# in ../shared/data that inverse kinematics can be solved for, static trials and the embedded walk with
+# noise included: $list has a line a pair, as survey.cc reads it. $work is a folder that goes with the
+# script.
 
+data=$PWD/../shared/data
+[[ -d $data ]] || { echo "$0: no recordings: $data is missing" >&2; exit 1; }
+cmake --preset release >/dev/null
+cmake --build --preset release --target sinew >/dev/null
+sinew=$PWD/build/release/bin/sinew
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 list=$work/list
 models=$data/opensim-models arnold=$data/nimblephysics/Arnold2013Synthetic
 core=$data/opensim-core/Applications bmc="$data/BMC/data/opensim/Mod&Sim2018"
@@ -22,7 +30,7 @@ laboratory() { # name c3d static
   local folder=$work/$1 name=$1
   "$sinew" run --c3d "$2" ${3:+--static "$3"} --model "$rajagopal" --out "$folder" \
     >/dev/null 2>&1 || true
-  [[ -f $folder/ik_tasks.xml ]] || { echo "survey.sh: $name could not be run" >&2; return; }
+  [[ -f $folder/ik_tasks.xml ]] || { echo "$0: $name could not be run" >&2; return; }
   pair "$name, walk" "$folder/model.osim" "$folder/markers.trc" "$folder/ik_tasks.xml" "" "" walk
   [[ -z ${3:-} ]] || pair "$name, static" "$folder/model.osim" "$folder/static.trc" "" "" "" static
 }
@@ -32,7 +40,7 @@ static_pair() { # name setup model set static
   mkdir -p "$folder"
   "$sinew" scale --setup "$2" --model "$3" ${4:+--marker-set "$4"} --keep-markers \
     --out-dir "$folder" --out "$only" >/dev/null 2>&1 || true
-  [[ -f $only ]] || { echo "survey.sh: $1 could not be scaled" >&2; return; }
+  [[ -f $only ]] || { echo "$0: $1 could not be scaled" >&2; return; }
   pair "$1, static" "$only" "$5" "$2" "" "" static
 }
 

@@ -115,8 +115,6 @@ TEST_F(LabAttach, OptionsDecideOtherwise) {
       << body.err;
 }
 
-// All markers of a thigh have names that the model does not know, and the walk has none of the
-// knee's: what tells the thigh is a cluster whose place the static trial gives.
 TEST_F(LabAttach, WhatAMapLeavesOutStaysOut) {
   trial_->write("map.csv", "recorded,model\nBand,\n");
   ASSERT_EQ(run("m", {"--map", "map.csv"}).exit_code, 0);
@@ -129,6 +127,8 @@ TEST_F(LabAttach, WhatAMapLeavesOutStaysOut) {
   EXPECT_EQ(content_of(path() / "m2/ik.mot"), content_of(path() / "m/ik.mot"));
 }
 
+// All markers of a thigh have names that the model does not know, and the walk has none of the
+// knee's: what tells the thigh is a cluster whose place the static trial gives.
 TEST_F(LabAttach, AClusterIsCarriedFromTheStaticTrial) {
   const auto rename = [](const char* from, const char* to, bool knee) {
     MarkerTrajectories markers = read_trc(path() / from).markers;

@@ -397,29 +397,22 @@ TEST(VerdictReport, NeverGrowsBeyondItsLines) {
 
 TEST(VerdictReport, CountsWhatIsOfOneKind) {
   VerdictEvidence e = evidence_of_two_joints();
-  for (const char* text : {"RTOE sits beside it", "RHEE sits beside it", "RANK sits beside it"}) {
+  const auto find = [&e](const char* code, const char* text, double figure, double limit,
+                         const char* unit) {
     VerdictReason r;
-    r.code = "moved-marker";
+    r.code = code;
     r.text = text;
-    r.figure = 50.0;
-    r.limit = 40.0;
-    r.unit = "mm";
-    r.remedy = "look";
+    r.figure = figure;
+    r.limit = limit;
+    r.unit = unit;
     e.found.push_back(r);
+  };
+  for (const char* text : {"RTOE sits beside it", "RHEE sits beside it", "RANK sits beside it"}) {
+    find("moved-marker", text, 50.0, 40.0, "mm");
+    e.found.back().remedy = "look";
   }
-  VerdictReason bare;
-  bare.code = "segment-without-marker";
-  bare.text = "both hands have no marker";
-  bare.figure = 2.0;
-  bare.limit = 0.0;
-  e.found.push_back(bare);
-  VerdictReason part;
-  part.code = "loads-missing";
-  part.text = "loads are known in a part only";
-  part.figure = 16.2;
-  part.limit = 100.0;
-  part.unit = "% of the frames";
-  e.found.push_back(part);
+  find("segment-without-marker", "both hands have no marker", 2.0, 0.0, "");
+  find("loads-missing", "loads are known in a part only", 16.2, 100.0, "% of the frames");
   EXPECT_EQ(verdict_text(judge(e), 12),
             "verdict: usable with remarks\n"
             "  - RTOE sits beside it: 50 mm (normal: at most 40 mm), and 2 more like it; look\n"
