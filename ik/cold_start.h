@@ -78,7 +78,7 @@ class ColdStart {
   int least_starts(double weight, bool again) const;
   void search(const IkTargets& targets, std::span<const double> given, bool again);
   const Found& best() const;
-  void settle(std::span<double> q);
+  void settle(const IkTargets& targets, std::span<double> q);
   Minimizer& helper(int kind);
 
   const KinematicTree& tree_;
