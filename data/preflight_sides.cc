@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "data/foot_markers.h"
-#include "data/marker_names.h"
 
 namespace sinew {
 namespace {
@@ -21,16 +20,6 @@ constexpr double kLeastWay = 0.5;  // [m]
 constexpr double kWidest = 0.4;  // [m]
 // cos 60°: a direction that is farther off tells nothing about left and right.
 constexpr double kLeastCosine = 0.5;
-
-// From left to right, horizontal, limited in length; zero where not measured.
-Vector3d rightward(const MarkerTrajectories& markers, int frame, const MarkerPair& pair,
-                   const Vector3d& up) {
-  Vector3d d = markers.position(frame, pair.right) - markers.position(frame, pair.left);
-  if (!d.allFinite()) return Vector3d::Zero();
-  d -= up * up.dot(d);
-  const double length = d.norm();
-  return length > kWidest ? Vector3d(d * (kWidest / length)) : d;
-}
 
 // Parts of the frames in which each pair lies against the sum of the others.
 struct PairVote {
@@ -143,6 +132,15 @@ void judge_all(const MarkerTrajectories& markers, const std::vector<MarkerPair>&
 }
 
 }  // namespace
+
+Vector3d rightward(const MarkerTrajectories& markers, int frame, const MarkerPair& pair,
+                   const Vector3d& up) {
+  Vector3d d = markers.position(frame, pair.right) - markers.position(frame, pair.left);
+  if (!d.allFinite()) return Vector3d::Zero();
+  d -= up * up.dot(d);
+  const double length = d.norm();
+  return length > kWidest ? Vector3d(d * (kWidest / length)) : d;
+}
 
 void SideCheckOptions::validate() const {
   if (!(least_share > 0.5 && least_share <= 1.0)) {

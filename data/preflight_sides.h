@@ -4,6 +4,7 @@
 
 #include "data/finding.h"
 #include "data/laboratory_axes.h"
+#include "data/marker_names.h"
 #include "data/marker_trajectories.h"
 
 namespace sinew {
@@ -18,6 +19,11 @@ struct SideCheckOptions {
   /// Throws std::invalid_argument naming field, value and bound.
   void validate() const;
 };
+
+/// From the left marker of a pair to the right one, without its part along `up`, and limited to the
+/// 0.4 m beyond which width says no more; zero where one of them is not measured [m].
+Eigen::Vector3d rightward(const MarkerTrajectories& markers, int frame, const MarkerPair& pair,
+                          const Eigen::Vector3d& up);
 
 /// Kind `side`:
 ///  - a pair whose left and right lie the other way round than those of the other pairs, an error:

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 
+#include "data/marker_names.h"
+#include "data/preflight_sides.h"
 #include "data/statistics.h"
 
 namespace sinew {
@@ -134,6 +138,7 @@ class Follower {
 
   void close_at_end(MarkerSwap& swap) {
     const int frames = markers_.frame_count();
+    swap.undone = false;
     swap.last = frames - 1;
     if (2 * swap.first < frames) {
       swap.last = swap.first - 1;
@@ -161,6 +166,93 @@ class Follower {
   std::vector<MarkerSwap> open_, found_;
 };
 
+// In which part of some frames two markers lie as their names forbid; NaN where nothing tells.
+using Against = std::function<double(int first, int end)>;
+
+double share_of(int first, int end, const std::function<double(int)>& vote) {
+  int against = 0, count = 0;
+  for (int frame = first; frame < end; ++frame) {
+    const double v = vote(frame);
+    if (!(v != 0.0)) continue;
+    ++count;
+    against += v < 0.0;
+  }
+  return count == 0 ? std::nan("") : static_cast<double>(against) / count;
+}
+
+// A left and a right marker against the other pairs.
+Against against_other_pairs(const MarkerTrajectories& markers, int left, int right,
+                            const Vector3d& up) {
+  std::vector<MarkerPair> others = find_marker_pairs(markers.names);
+  std::erase_if(others, [&](const MarkerPair& pair) {
+    return pair.left == left || pair.left == right || pair.right == left || pair.right == right;
+  });
+  return [&markers, left, right, up, others](int first, int end) {
+    return share_of(first, end, [&](int frame) {
+      Vector3d sum = Vector3d::Zero();
+      for (const MarkerPair& pair : others) sum += rightward(markers, frame, pair, up);
+      return rightward(markers, frame, {left, right}, up).dot(sum);
+    });
+  };
+}
+
+Against against_heights(const MarkerTrajectories& markers, int high, int low, const Vector3d& up) {
+  return [&markers, high, low, up](int first, int end) {
+    return share_of(first, end, [&](int frame) {
+      const double d = up.dot(markers.position(frame, high) - markers.position(frame, low));
+      return std::isfinite(d) ? d : 0.0;
+    });
+  };
+}
+
+Against names_against(const MarkerTrajectories& markers, const MarkerSwap& swap,
+                      const Vector3d& up) {
+  const MarkerName a = parse_marker_name(markers.names[static_cast<std::size_t>(swap.a)]);
+  const MarkerName b = parse_marker_name(markers.names[static_cast<std::size_t>(swap.b)]);
+  // From top to toe, as they are declared.
+  if (a.place != b.place && a.place != MarkerPlace::kUnknown && b.place != MarkerPlace::kUnknown) {
+    return a.place < b.place ? against_heights(markers, swap.a, swap.b, up)
+                             : against_heights(markers, swap.b, swap.a, up);
+  }
+  if (a.side == Side::kLeft && b.side == Side::kRight) {
+    return against_other_pairs(markers, swap.a, swap.b, up);
+  }
+  if (a.side == Side::kRight && b.side == Side::kLeft) {
+    return against_other_pairs(markers, swap.b, swap.a, up);
+  }
+  return [](int, int) { return std::nan(""); };
+}
+
+struct Part {
+  int first = 0, end = 0;
+};
+
+// What is exchanged; nothing where that cannot be told.
+std::optional<Part> exchanged_part(const MarkerTrajectories& markers, const MarkerSwap& swap,
+                                   const LaboratoryAxes& axes) {
+  constexpr double kClear = 0.8;     // feet that cross do so for less than half of a stride
+  constexpr double kShorter = 0.25;  // of the record
+  const Part given{swap.first, swap.last + 1};
+  if (swap.undone) return given;
+  const int frames = markers.frame_count();
+  const Part other = swap.first == 0 ? Part{given.end, frames} : Part{0, given.first};
+  if (axes.up.known()) {
+    const Against against = names_against(markers, swap, axes.up.axis);
+    const double here = against(given.first, given.end), there = against(other.first, other.end);
+    if (here > kClear && there < 1.0 - kClear) return given;
+    if (there > kClear && here < 1.0 - kClear) return other;
+  }
+  if (given.end - given.first < kShorter * frames) return given;
+  return {};
+}
+
+std::string swap_option(const MarkerTrajectories& markers, const MarkerSwap& swap, double from,
+                        double to) {
+  return fmt::format("{},{}@{}-{}", markers.names[static_cast<std::size_t>(swap.a)],
+                     markers.names[static_cast<std::size_t>(swap.b)], time_text(from),
+                     time_text(to));
+}
+
 }  // namespace
 
 void SwapCheckOptions::validate() const {
@@ -181,7 +273,7 @@ std::vector<MarkerSwap> find_marker_swaps(const MarkerTrajectories& markers,
   return Follower(markers, options).follow();
 }
 
-std::vector<Finding> find_swap_faults(const MarkerTrajectories& markers,
+std::vector<Finding> find_swap_faults(const MarkerTrajectories& markers, const LaboratoryAxes& axes,
                                       const SwapCheckOptions& options) {
   std::vector<Finding> findings;
   for (const MarkerSwap& swap : find_marker_swaps(markers, options)) {
@@ -191,14 +283,25 @@ std::vector<Finding> find_swap_faults(const MarkerTrajectories& markers,
     finding.severity = Finding::Severity::kError;
     finding.kind = "swap";
     finding.where = a + ", " + b;
-    set_frames(finding, markers, swap.first, swap.last);
+    const std::optional<Part> part = exchanged_part(markers, swap, axes);
+    const Part named = part.value_or(Part{swap.first, swap.last + 1});
+    set_frames(finding, markers, named.first, named.end - 1);
     finding.confidence = std::clamp(1.0 - swap.left, 0.5, 0.99);
     finding.text = fmt::format(
         "both jump by {:.0f} mm, each to where the other was about to be: they bear each other's "
         "names",
         1e3 * swap.jump);
-    finding.flags = {
-        "--swap", fmt::format("{},{}@{}-{}", a, b, time_text(finding.from), time_text(finding.to))};
+    if (part) {
+      finding.flags = {"--swap", swap_option(markers, swap, finding.from, finding.to)};
+    } else {
+      const int begin = swap.first == 0 ? swap.last + 1 : swap.first;
+      const Eigen::VectorXd& t = markers.time;
+      finding.text += " before or from then on";
+      finding.advice =
+          fmt::format("nothing tells which part is right: --swap {} or --swap {}",
+                      swap_option(markers, swap, t[0], t[begin - 1]),
+                      swap_option(markers, swap, t[begin], t[markers.frame_count() - 1]));
+    }
     findings.push_back(std::move(finding));
   }
   return findings;

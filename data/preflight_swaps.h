@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "data/finding.h"
+#include "data/laboratory_axes.h"
 #include "data/marker_trajectories.h"
 
 namespace sinew {
@@ -29,18 +30,26 @@ struct MarkerSwap {
   int first = 0, last = 0;
   double jump = 0.0;  // mean distance that the two jump [m]
   double left = 0.0;  // part of it that is left when they are exchanged
+  // False where they do not change back: that may be before the jump or from it on, and frames up
+  // to the nearer end of the record are given.
+  bool undone = true;
 
   bool operator==(const MarkerSwap&) const = default;
 };
 
 /// Follows every marker from frame to frame by its last two samples, and exchanges two where both
-/// jump to where the other was about to be. An exchange that is not undone goes to the nearer end
-/// of the record. O(frames · markers) and the square of those that jump at once.
+/// jump to where the other was about to be. O(frames · markers) and the square of those that jump
+/// at once.
 std::vector<MarkerSwap> find_marker_swaps(const MarkerTrajectories& markers,
                                           const SwapCheckOptions& options = {});
 
-/// Kind `swap`, errors: `--swap A,B@FROM-TO`.
+/// Kind `swap`, errors: `--swap A,B@FROM-TO`. Of an exchange that is not undone the names tell
+/// which part is wrong: left and right must lie as the other pairs do, heads above trunks, pelvis,
+/// legs and feet. Where they tell nothing it is the shorter part if that is less than a quarter of
+/// the record; else the finding has no flags, and its advice names both. Needs axes.up to use
+/// names.
 std::vector<Finding> find_swap_faults(const MarkerTrajectories& markers,
+                                      const LaboratoryAxes& axes = {},
                                       const SwapCheckOptions& options = {});
 
 }  // namespace sinew

@@ -66,7 +66,9 @@ VerdictReason make_reason(const MusculoskeletalModel& model, const Eigen::Vector
   reason.unit = "°";
   reason.source = "Sinew";
   reason.remedy =
-      "look at the markers there; if the joint is near its pole, another order of its axes helps";
+      "look at the markers there (marker_errors.csv of `sinew run`); a joint turned by 90° about "
+      "its "
+      "second axis steps too, and its other angles are to be read with care";
   reason.angles = {coordinate.name};
   const std::vector<bool> chain = chain_of(model, joint.child);
   for (const Coordinate& each : model.coordinates) {

@@ -153,8 +153,8 @@ std::string describe(const Decision& decision) {
   if (decision.by == "option" || decision.by == "decisions.json") {
     why = decision.by == "option" ? "said by " + decision.option : "as decisions.json says";
     if (!decision.found.is_null() && decision.found != decision.value) {
-      why += fmt::format("; {} says {}", decision.why.empty() ? "the recording" : decision.why,
-                         text_of(decision.found));
+      why += fmt::format("; found {}{}{}", text_of(decision.found),
+                         decision.why.empty() ? "" : ": ", decision.why);
     }
   } else if (decision.confidence) {
     why += fmt::format(", {:.0f} % sure", 100.0 * *decision.confidence);

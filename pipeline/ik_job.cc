@@ -129,7 +129,9 @@ void TimeRange::fill(std::optional<double> setup_from, std::optional<double> set
 std::pair<int, int> frames_within(const Eigen::VectorXd& time, const TimeRange& range,
                                   const std::string& file, std::vector<Warning>& warnings) {
   const SourceLocation at = range.at.file.empty() ? SourceLocation{file, 0} : range.at;
-  if (range.from && range.to && *range.from > *range.to) {
+  // Where one of them is beside the record, exchanging them helps nobody.
+  if (range.from && range.to && *range.from > *range.to && *range.to < time[time.size() - 1] &&
+      *range.from > time[0]) {
     throw InputError(
         at, {fmt::format("the time range ends at {:.6g} s, before it begins at {:.6g} s", *range.to,
                          *range.from),

@@ -247,7 +247,12 @@ std::map<std::string, std::string> said_bodies(const std::vector<std::string>& s
                       "model{}",
                       name, nearest.empty() ? "" : "; is it " + nearest + "?"));
     }
-    bodies[name] = text.substr(equals + 1);
+    const auto [place, first] = bodies.emplace(name, text.substr(equals + 1));
+    if (!first) {
+      throw std::invalid_argument(
+          fmt::format("--attach names '{}' twice, for {} and for {}; give one", name, place->second,
+                      text.substr(equals + 1)));
+    }
   }
   return bodies;
 }

@@ -15,6 +15,7 @@
 #include "model/osim_file.h"
 #include "model/whole_body.h"
 #include "pipeline/command.h"
+#include "pipeline/finding_reasons.h"
 #include "pipeline/ground_reaction.h"
 #include "pipeline/lab_attach.h"
 #include "pipeline/lab_loads.h"
@@ -67,7 +68,7 @@ class Preparation {
     entered_ = subject_parameters(walk.file);
     const GenericModel generic = generic_model(job_.ik.model, entered_, options_, folder_, log_);
     report(warnings_, generic.model.warnings);
-    check_first(generic, walk.edits);
+    check_first(generic, walk);
     MarkerTrajectories markers = name(walk, "", generic.model);
     const GapFillResult filled =
         fill_lab_markers(markers, walk.file.path, generic.file, folder_ / kFilled, log_, warnings_);
@@ -97,27 +98,33 @@ class Preparation {
   }
 
   // What would still spoil the run, and what mends it, before anything is solved.
-  void check_first(const GenericModel& generic, const RecordingEdits& edits) {
+  void check_first(const GenericModel& generic, const LabTrial& walk) {
     PreflightFiles files;
     files.read_model(generic.file.string());
-    files.read(options_.c3d, edits);
+    files.read(options_.c3d, walk.edits);
     RecordingEdits unit;
     unit.unit = options_.edit.unit;
     if (!options_.static_trial.empty()) files.read(options_.static_trial, unit);
     std::vector<Warning> spoiling;
-    for (const Finding& finding : run_preflight(files.inputs())) {
+    const std::vector<Finding> findings = run_preflight(files.inputs());
+    const Eigen::VectorXd& time = walk.file.markers.time;
+    note(finding_reasons(findings, time[0], time[time.size() - 1], options_.static_trial));
+    for (const Finding& finding : findings) {
       if (finding.severity == Finding::Severity::kNote || finding.confidence < kWorthSaying)
         continue;
       // A generic model is of another size until it is scaled.
       if (finding.kind == "size" && will_fit_sizes(generic)) continue;
       if (finding.kind == "match") continue;  // names are settled next
       if (finding.kind == "spike") continue;  // settled as they are read
-      const std::string mends = remedy(finding);
+      const std::string mends = run_remedy(finding, options_.static_trial);
       spoiling.push_back(
           {{finding.file.empty() ? options_.c3d : finding.file},
            fmt::format("{}{}{} ({}){}{}", finding.where, finding.where.empty() ? "" : ": ",
                        finding.text, confidence_word(finding.confidence),
-                       mends.empty() ? "" : "; mended by ", mends)});
+                       mends.empty()           ? ""
+                       : finding.flags.empty() ? "; "
+                                               : "; mended by ",
+                       mends)});
     }
     report(warnings_, spoiling);
   }
@@ -230,6 +237,7 @@ class Preparation {
     job_.dynamics.loads = (folder_ / kLoads).string();
     job_.coverage = load_coverage(markers, assignment, walk.plates);
     write_file_atomically(folder_ / kCoverage, load_coverage_csv(*job_.coverage, markers.time));
+    job_.standing_mass = standing_mass_;
     job_.carried = stride_mass(assignment, *job_.coverage, markers.time, walk.plates);
   }
 

@@ -22,6 +22,7 @@ struct LabJob {
   InputFiles inputs;                     // the laboratory's own
   std::optional<LoadCoverage> coverage;  // by frame of the markers; none where nothing tells
   std::optional<StrideMass> carried;     // by the platforms over whole strides
+  std::optional<double> standing_mass;   // that they carry in the static trial [kg]
   std::vector<VerdictReason> reasons;    // of the static trial, the mass and the fit of sizes
   std::optional<AutoScaleResult> fit;    // of the model to static trial and walk
 };

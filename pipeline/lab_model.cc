@@ -51,7 +51,9 @@ Decision mass_decision(const std::vector<ForcePlatformRecording>& standing_plate
     decision.found = *found;
     decision.why = "[kg] what the platforms carry in the static trial";
     decision.confidence = 0.9;
-    if (entered.mass) decision.why += fmt::format("; the trial says {:.1f}", *entered.mass);
+    if (entered.mass) {
+      decision.why += fmt::format("; PROCESSING:BODYMASS of the walk is {:.1f}", *entered.mass);
+    }
   } else if (entered.mass) {
     decision.found = *entered.mass;
     decision.why = "[kg] PROCESSING:BODYMASS of the trial";
@@ -171,10 +173,6 @@ void require_inputs(const std::string& by, const MarkerFile* standing, const Lab
   if (by == "setup" && options.scale_setup.empty()) {
     throw std::invalid_argument("scaling by a setup needs --scale-setup FILE.xml");
   }
-  if (by != "static" && by != "walk" && by != "both" && by != "setup") {
-    throw std::invalid_argument(
-        fmt::format("scaling is '{}'; expected both, static, walk, setup, mass or none", by));
-  }
 }
 
 }  // namespace
@@ -220,6 +218,13 @@ SettledModel settle_model(const GenericModel& generic, const MarkerFile& walk,
   if (options.no_scale) log.say("scaling", "none", options.given_now.contains("--no-scale"));
   const std::string by =
       log.settle_text(scaling_decision(generic, standing != nullptr, options, mass.has_value()));
+  constexpr const char* kWays[] = {"both", "static", "walk", "setup", "mass", "none"};
+  if (std::find(std::begin(kWays), std::end(kWays), by) == std::end(kWays)) {
+    throw std::invalid_argument(fmt::format(
+        "scaling is '{}'; expected both, static, walk, setup, mass or none: correct --scale or the "
+        "decision 'scaling'",
+        by));
+  }
   if (by == "none") {
     write_file_atomically(file, read_file(generic.file));
     return {read_osim(file), by, mass, {}, {}};

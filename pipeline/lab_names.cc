@@ -109,6 +109,12 @@ MarkerTrajectories name_lab_markers(const LabTrial& recording, const std::string
                          "--subject"});
     found = match_markers(recorded, model_names, matching_options, path);
   }
+  // One option serves both trials, of which the static one may have a single, unnamed subject.
+  if (found.subjects.empty() && !options.subject.empty() && trial.empty()) {
+    throw InputError({path}, {fmt::format("has no subject '{}'", options.subject),
+                              "names of markers that begin with their subject's and a colon",
+                              recorded.empty() ? "" : recorded.front(), "Leave --subject out."});
+  }
   if (!options.map.empty()) {
     matching_options.map = entries_of(read_marker_map(options.map), recorded);
     const MarkerMatching said = match_markers(recorded, model_names, matching_options, path);

@@ -98,7 +98,7 @@ void LabOptions::add_to(CLI::App& command) {
   command
       .add_option("--scale", scale,
                   "What the model is scaled by: both, static, walk, mass alone, setup or none")
-      ->check(CLI::IsMember({"static", "walk", "mass", "setup", "none"}));
+      ->check(CLI::IsMember({"both", "static", "walk", "mass", "setup", "none"}));
   command.add_flag("--no-scale", no_scale, "Take the model as it is");
   command.add_option("--technical", technical,
                      "Markers A,B,... on wands and in clusters, that sit anywhere, or none; their "
@@ -142,7 +142,7 @@ void LabOptions::add_to(CLI::App& command) {
       ->allow_extra_args(false);
   command.add_flag("--no-attach", no_attach,
                    "Leave out markers that the model lacks, also if they keep their distances to a "
-                   "segment");
+                   "segment; those that --attach names are attached all the same");
   command
       .add_option("--posture-weight", posture_weight,
                   "Draws coordinates that the markers do not determine to their defaults [1/rad²]")

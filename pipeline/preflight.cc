@@ -138,7 +138,7 @@ class Check {
     // Of a giant every marker is far from the others.
     if (unit.empty()) append(findings_, find_stray_markers(markers()));
     append(findings_, find_static_markers(markers()));
-    append(findings_, find_swap_faults(markers()));
+    append(findings_, find_swap_faults(markers(), axes_));
     if (unit.empty()) {
       append(findings_, find_spike_faults(markers(), find_marker_swaps(markers())));
     }

@@ -189,7 +189,8 @@ struct RunCommand {
     CoverageOfFrames coverage;
     if (lab_job && lab_job->coverage) {
       coverage = {&*lab_job->coverage, job.options.first_frame,
-                  lab_job->carried ? lab_job->carried->mass : kNaN};
+                  lab_job->carried ? lab_job->carried->mass : kNaN,
+                  lab_job->standing_mass.value_or(kNaN)};
     }
     evidence.dynamics = dynamics_evidence(job.model, forces, id_job.loads, coverage);
     return evidence;

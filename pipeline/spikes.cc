@@ -42,15 +42,14 @@ std::vector<Drop> settle(Decision decision, const std::vector<Drop>& found, cons
 
 std::vector<MarkerDrop> settle_spikes(const std::string& trial, const MarkerTrajectories& markers,
                                       DecisionLog& log) {
-  return settle<MarkerDrop>(
-      {trial + "spikes",
-       {},
-       {},
-       "markers that are for a moment where they cannot be: taken as not measured",
-       0.9,
-       "",
-       "--spikes"},
-      drops_of(markers, find_marker_spikes(markers)), parse_drop, log);
+  return settle<MarkerDrop>({trial + "spikes",
+                             {},
+                             {},
+                             "where no marker can be for a moment; taken as not measured",
+                             0.9,
+                             "",
+                             "--spikes"},
+                            drops_of(markers, find_marker_spikes(markers)), parse_drop, log);
 }
 
 std::vector<SampleDrop> settle_force_spikes(const std::string& trial, const C3dFile& file,
@@ -59,7 +58,7 @@ std::vector<SampleDrop> settle_force_spikes(const std::string& trial, const C3dF
   return settle<SampleDrop>({trial + "force spikes",
                              {},
                              {},
-                             "samples of platforms that no force makes: left out",
+                             "where no force is like that for a moment; left out",
                              0.9,
                              "",
                              "--force-spikes"},

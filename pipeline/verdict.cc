@@ -43,6 +43,16 @@ bool names_one_of(const std::set<std::string>& names, const JointEvidence& joint
                      [&](const std::string& c) { return names.contains(c); });
 }
 
+// A reason that spoils the whole result names no coordinates; a wrong mass spoils no angle.
+bool spoils_torques(const VerdictReason& r) {
+  return r.weight == Weight::kUnusable && r.angles.empty() && r.torques.empty();
+}
+
+bool spoils_angles(const VerdictReason& r) {
+  return spoils_torques(r) && r.code != "mass" && r.code != "mass-unit" &&
+         r.code != "body-mass-index";
+}
+
 std::vector<JointVerdict> judge_joints(const VerdictEvidence& evidence,
                                        const std::vector<VerdictReason>& reasons) {
   std::set<std::string> angles, torques, partly;
@@ -54,16 +64,18 @@ std::vector<JointVerdict> judge_joints(const VerdictEvidence& evidence,
     const std::vector<std::string> names = partly_known_torques(*evidence.dynamics);
     partly.insert(names.begin(), names.end());
   }
+  const bool no_angles = std::any_of(reasons.begin(), reasons.end(), spoils_angles);
+  const bool no_torques = std::any_of(reasons.begin(), reasons.end(), spoils_torques);
   std::vector<JointVerdict> joints;
   for (const JointEvidence& joint : evidence.joints) {
     JointVerdict verdict{joint.name, Use::kNone, Use::kNone};
     if (evidence.angles) {
-      verdict.angles = names_one_of(angles, joint) ? Use::kUnusable : Use::kUsable;
+      verdict.angles = no_angles || names_one_of(angles, joint) ? Use::kUnusable : Use::kUsable;
     }
     if (evidence.torques) {
-      verdict.torques = names_one_of(torques, joint)  ? Use::kUnusable
-                        : names_one_of(partly, joint) ? Use::kPartly
-                                                      : Use::kUsable;
+      verdict.torques = no_torques || names_one_of(torques, joint) ? Use::kUnusable
+                        : names_one_of(partly, joint)              ? Use::kPartly
+                                                                   : Use::kUsable;
     }
     joints.push_back(verdict);
   }

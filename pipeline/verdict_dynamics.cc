@@ -51,10 +51,13 @@ void judge_coverage(const DynamicsEvidence& d, std::vector<VerdictReason>& reaso
   }
   r->text =
       d.by_platforms
-          ? "all ground forces are known in a part of the trial only"
+          ? "all ground forces are known in a part of the trial only; elsewhere the torques of a "
+            "leg "
+            "lack them"
           : "the loads carry the body (more than half of its weight) in a part of the trial only";
   r->remedy = d.by_platforms
-                  ? "elsewhere torques of that leg lack them: ..._loads_complete of id.sto is 0"
+                  ? "load_coverage.csv says when which foot's are known; in id.sto the columns "
+                    "right_loads_complete and left_loads_complete are 1 then"
                   : "elsewhere a step was not measured: --from and --to leave it out";
 }
 
@@ -80,7 +83,7 @@ void judge_direction(const DynamicsEvidence& d, std::vector<VerdictReason>& reas
 void judge_mass(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
   const double mass = d.weight / kGravity;
   const double off = std::abs(mass - d.carried_mass) / d.carried_mass;
-  const double limit = d.by_platforms ? kMass : kMassOfTable;
+  const double limit = d.mass_of_some_frames ? kMassOfTable : kMass;
   auto* r = judge_figure(reasons, {off, limit, kWorstMass}, 100.0, "%", "mass-carried", kOwn);
   if (r == nullptr) return;
   r->text =

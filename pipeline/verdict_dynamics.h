@@ -40,8 +40,10 @@ struct DynamicsEvidence {
   double mean_vertical_load = std::numeric_limits<double>::quiet_NaN();
   double vertical_load_rms = std::numeric_limits<double>::quiet_NaN();
   double horizontal_load_rms = std::numeric_limits<double>::quiet_NaN();
-  // Mass that the loads carry [kg]: over strides, by platforms, else over the known frames.
+  // Mass that the loads carry [kg]: by platforms over strides or in the static trial, else over the
+  // known frames.
   double carried_mass = std::numeric_limits<double>::quiet_NaN();
+  bool mass_of_some_frames = true;
   RootResidual root;                     // over the known frames, or over all if there are none
   std::vector<FootEvidence> feet;        // by the platforms
   std::vector<std::string> supporting;   // coordinates between what carries the body and the root

@@ -398,7 +398,13 @@ DynamicsEvidence dynamics_evidence(const MusculoskeletalModel& model, const Time
   if (e.loads_given) add_loads(model, forces.time, loads, known, hangs, e);
   if (e.by_platforms) {
     add_feet(model, of, forces.time, stance, e);
-    e.carried_mass = of.stride_mass;
+    // Measured best where nobody moves, then over whole strides; what is left tells roughly.
+    e.mass_of_some_frames = std::isnan(of.stride_mass) && std::isnan(of.standing_mass);
+    if (!e.mass_of_some_frames) {
+      e.carried_mass = std::isnan(of.stride_mass) ? of.standing_mass : of.stride_mass;
+    } else if (root.vertical < 0) {
+      e.carried_mass = kNaN;
+    }
   } else if (root.vertical < 0) {
     e.carried_mass = kNaN;
   }

@@ -34,6 +34,7 @@ struct CoverageOfFrames {
   const LoadCoverage* coverage = nullptr;  // null: nothing tells
   int first = 0;                           // frame of the coverage in which the forces begin
   double stride_mass = kNaN;               // that the platforms carry over strides [kg]
+  double standing_mass = kNaN;             // that they carry in the static trial [kg]
 };
 
 /// `forces`: as inverse_dynamics() gives them. O(frames · (loads + coordinates of the root)).

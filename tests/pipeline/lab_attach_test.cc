@@ -107,6 +107,15 @@ TEST_F(LabAttach, OptionsDecideOtherwise) {
                            "the model; is it Band?"),
             std::string::npos)
       << wrong.err;
+  const Outcome twice = run("w", {"--attach", "Band=femur_r", "--attach", "Band=tibia_r"});
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_NE(twice.err.find("--attach names 'Band' twice, for femur_r and for tibia_r; give one"),
+            std::string::npos)
+      << twice.err;
+  const Outcome alone = run("a", {"--no-attach", "--attach", "Band=femur_r"});
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_GE(read_osim(path() / "a/model.osim").find_marker("Band"), 0);
+  EXPECT_EQ(read_osim(path() / "a/model.osim").find_marker("Wrap"), -1);
   const Outcome body = run("w", {"--attach", "Band=femurr"});
   EXPECT_EQ(body.exit_code, 2);
   EXPECT_NE(body.err.find("has no body 'femurr', which 'Band' is to be attached to; expected "

@@ -132,7 +132,7 @@ TEST_F(LabRun, EditedDecisionsHold) {
   const Json after = json("edit/decisions.json");
   EXPECT_EQ(decision(after, contact)["value"], "none");
   EXPECT_EQ(decision(after, contact)["by"], "decisions.json");
-  EXPECT_TRUE(holds(outcome.out, "elsewhere torques of that leg")) << outcome.out;
+  EXPECT_TRUE(holds(outcome.out, "elsewhere the torques of a leg lack them")) << outcome.out;
   // An option of today goes before the file.
   const Outcome said =
       run({"--decisions", "edit/decisions.json", "--marker-cutoff", "-1", "--out", "said"});
@@ -211,6 +211,43 @@ TEST_F(LabRun, OptionsPutARecordingRight) {
   EXPECT_EQ(error_line(wrong, path()),
             "mended/decisions.json: the value of decision 'swap' is of the wrong kind; expected a "
             "list of texts, found 7. Correct the value.");
+}
+
+// Names exchanged all the time, which a fit hides, and for longer than a spike.
+TEST_F(LabRun, ExchangedNamesAreReasonsOfTheVerdict) {
+  MarkerTrajectories markers = read_trc(path() / "walk.trc").markers, moment = markers;
+  const int right = markers.find_marker("RKNE"), left = markers.find_marker("LKNE");
+  ASSERT_TRUE(right >= 0 && left >= 0);
+  std::swap(markers.names[static_cast<std::size_t>(right)],
+            markers.names[static_cast<std::size_t>(left)]);
+  write_trc(path() / "exchanged.trc", markers);
+  for (int f = 60; f <= 85; ++f) {
+    const Eigen::RowVector3d kept = moment.p_WM.block<1, 3>(f, 3 * right);
+    moment.p_WM.block<1, 3>(f, 3 * right) = moment.p_WM.block<1, 3>(f, 3 * left);
+    moment.p_WM.block<1, 3>(f, 3 * left) = kept;
+  }
+  write_trc(path() / "moment.trc", moment);
+  const auto reason = [&](const Arguments& more, const std::string& out, int exit_code) -> Json {
+    Arguments all = {"--model", "model.osim", "--no-scale", "--from", "0.5",
+                     "--to",    "0.8",        "--out",      out};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    const Json verdict = json(out + "/verdict.json");
+    for (const Json& r : verdict["reasons"]) {
+      if (r["code"] == "exchanged-markers") return r;
+    }
+    return nullptr;
+  };
+  const Json all = reason({"--c3d", "exchanged.trc"}, "exchanged", 1);
+  ASSERT_FALSE(all.is_null());
+  EXPECT_EQ(all["weight"], "unusable");
+  EXPECT_EQ(all["remedy"], "--swap LKNE,RKNE");
+  EXPECT_TRUE(reason({"--c3d", "exchanged.trc", "--swap", "LKNE,RKNE"}, "back", 0).is_null());
+  const Json some = reason({"--c3d", "moment.trc"}, "moment", 0);
+  ASSERT_FALSE(some.is_null());
+  EXPECT_EQ(some["weight"], "remark");
+  EXPECT_EQ(some["remedy"], "--swap RKNE,LKNE@0.6-0.85");
 }
 
 // The walk's body has 75 kg; that of another height, taken as it is, has 60.
@@ -423,6 +460,19 @@ TEST_F(LabRun, WrongUsageIsTold) {
       error({"--c3d", "grf.mot", "--model", "model.osim", "--no-scale"}),
       "grf.mot: is no recording of markers; expected a .c3d or .trc file, found .mot. Convert "
       "it with `sinew convert`.");
+  EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--no-scale", "--subject", "Eva"}),
+            "walk.c3d: has no subject 'Eva'; expected names of markers that begin with their "
+            "subject's and a colon, found RASI. Leave --subject out.");
+  EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--no-scale", "--from", "9"})
+                .substr(0, 72),
+            "sinew-results/markers.trc: no frame lies in the time range, 9 s to 2.2 s");
+  trial_->write(
+      "scaling.json",
+      R"({"version": 1, "inputs": {}, "options": {}, "decisions": [{"name": "scaling", "value": "sideways", "found": "mass", "by": "option"}]})");
+  EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--decisions", "scaling.json",
+                   "--out", "scaling"}),
+            "scaling is 'sideways'; expected both, static, walk, setup, mass or none: correct "
+            "--scale or the decision 'scaling'");
   trial_->write("no.json", "{}");
   EXPECT_TRUE(error({"--decisions", "no.json"}).starts_with("no.json: is no file of decisions: "));
   EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--filled-weight", "2"}),

@@ -100,6 +100,13 @@ TEST_F(LabStatic, SizesAreFittedToItAndTheWalk) {
   }
 }
 
+TEST_F(LabStatic, WhatIsChosenAnywayCanBeSaid) {
+  const Outcome outcome =
+      run("walk.c3d", "static.c3d", "said", {"--mass", "75", "--scale", "both"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "scaling: both (said by --scale")) << outcome.out;
+}
+
 TEST_F(LabStatic, ExchangedTrialsAreNotUsable) {
   const Outcome outcome = run("static.c3d", "walk.c3d", "exchanged", {"--scale", "none"});
   EXPECT_EQ(outcome.exit_code, 1);

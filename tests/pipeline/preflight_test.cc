@@ -196,6 +196,36 @@ TEST(Preflight, FindsExchangedTrajectoriesAndTheirFrames) {
   EXPECT_TRUE(find_marker_swaps(walk().markers).empty());
 }
 
+// Names tell which part of an exchange that is not undone is wrong, also where it is the longer.
+TEST(Preflight, TellsWhichPartOfAnExchangeIsWrong) {
+  LaboratoryAxes axes;
+  axes.up.axis = Eigen::Vector3d::UnitY();
+  axes.up.confidence = 1.0;
+  const MarkerTrajectories& right = walk().markers;
+  const int frames = right.frame_count();
+  const std::pair<const char*, const char*> pairs[] = {{"RKNE", "LKNE"}, {"RHEE", "RASI"}};
+  for (const auto& [a, b] : pairs) {
+    for (const auto& [first, end] :
+         {std::pair{0, frames / 3}, std::pair{0, 2 * frames / 3}, std::pair{frames / 3, frames}}) {
+      MarkerTrajectories markers = right;
+      exchange(markers, right.find_marker(a), right.find_marker(b), first, end);
+      const std::vector<Finding> findings = find_swap_faults(markers, axes);
+      ASSERT_EQ(findings.size(), 1u) << a;
+      ASSERT_FALSE(findings[0].flags.empty()) << a;
+      edit_markers(markers, 1.0, edits_of(findings));
+      EXPECT_EQ(markers.p_WM, right.p_WM) << a << " " << first << " " << end;
+    }
+  }
+  // Two of one hand: nothing tells, so both are named and none is chosen.
+  MarkerTrajectories markers = right;
+  exchange(markers, right.find_marker("LFHD"), right.find_marker("LBHD"), frames / 3, frames);
+  const std::vector<Finding> findings = find_swap_faults(markers, axes);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_TRUE(findings[0].flags.empty());
+  EXPECT_NE(findings[0].advice.find("--swap LFHD,LBHD@0-"), std::string::npos)
+      << findings[0].advice;
+}
+
 TEST(Preflight, FindsExchangesThroughNoiseAndShortGaps) {
   WholeBodyOptions body;
   body.level = WholeBodyOptions::Level::kSimplified;

@@ -113,6 +113,17 @@ TEST_F(Evidence, OfDynamicsByPlatforms) {
   EXPECT_TRUE(e.by_platforms);
   EXPECT_EQ(e.known, 20);
   EXPECT_EQ(e.carried_mass, 47.0);
+  EXPECT_FALSE(e.mass_of_some_frames);
+  // Without whole strides the static trial tells, without both the frames that are known: 48 kg
+  // carry their weight while 20 % of it hang on the root.
+  const double none = std::nan("");
+  EXPECT_EQ(
+      dynamics_evidence(model_, forces(60), loads(), {&coverage, 10, none, 46.0}).carried_mass,
+      46.0);
+  const DynamicsEvidence some =
+      dynamics_evidence(model_, forces(60), loads(), {&coverage, 10, none, none});
+  EXPECT_TRUE(some.mass_of_some_frames);
+  EXPECT_NEAR(some.carried_mass, 48.0 / 1.3, 1e-6);
   ASSERT_EQ(e.feet.size(), 2u);
   EXPECT_EQ(e.feet[0].complete, 100);
   EXPECT_EQ(e.feet[1].complete, 20);

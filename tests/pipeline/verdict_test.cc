@@ -151,6 +151,7 @@ DynamicsEvidence good_dynamics() {
   d.feet = {{"right", 200, "all", {"root", "hip_r"}}, {"left", 200, "all", {"root", "hip_l"}}};
   d.supporting = {"root", "hip_r", "hip_l"};
   d.coordinates = {"root", "hip_r", "hip_l", "shoulder"};
+  d.mass_of_some_frames = false;
   return d;
 }
 
@@ -223,7 +224,7 @@ TEST(JudgeDynamics, LooksAtTheLoadsDirectionAndSum) {
   d.carried_mass = 75.0 / 2.2046;  // entered in pounds
   expect_reason(judge_dynamics(d), "mass-carried", Weight::kUnusable, 120.46, 3.0, "%");
   d.carried_mass = 68.0;
-  d.by_platforms = false;  // a record that ends in a step tells less
+  d.mass_of_some_frames = true;  // a record that ends in a step tells less
   EXPECT_EQ(find(judge_dynamics(d), "mass-carried"), nullptr);
 }
 
@@ -319,6 +320,26 @@ TEST(Judge, TellsEachJointApart) {
                                                        {"hip_left", Use::kUnusable, Use::kUnusable},
                                                        {"shoulder", Use::kUsable, Use::kUsable}}));
   EXPECT_EQ(exit_code(verdict, false), 0);
+}
+
+// A reason that names no coordinate spoils them all, but a wrong mass no angle.
+TEST(Judge, BlamesEveryJointForWhatSpoilsTheTrial) {
+  VerdictEvidence e = evidence_of_two_joints();
+  VerdictReason other;
+  other.code = "other-person";
+  other.weight = Weight::kUnusable;
+  e.found = {other};
+  for (const JointVerdict& j : judge(e).joints) {
+    EXPECT_EQ(j.angles, Use::kUnusable) << j.joint;
+    EXPECT_EQ(j.torques, Use::kUnusable) << j.joint;
+  }
+  e.found[0].code = "mass-unit";
+  for (const JointVerdict& j : judge(e).joints) {
+    EXPECT_EQ(j.angles, Use::kUsable) << j.joint;
+    EXPECT_EQ(j.torques, Use::kUnusable) << j.joint;
+  }
+  e.found[0].weight = Weight::kRemark;
+  EXPECT_EQ(judge(e).joints[0].torques, Use::kUsable);
 }
 
 TEST(Judge, PutsWhatSpoilsAllFirstAndFails) {

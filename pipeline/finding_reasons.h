@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "data/finding.h"
+#include "data/verdict_reason.h"
+
+/// What findings about a laboratory's recordings mean for a run that goes on with them.
+namespace sinew {
+
+/// The options of `sinew run` that mend a finding about its trial, `--swap A,B@0.2-0.4`, or the
+/// command that mends its static trial, of which the run takes a unit only; its advice where none does.
+std::string run_remedy(const Finding& finding, const std::string& static_trial);
+
+/// Code `exchanged-markers`: markers that certainly bear each other's names (confidence from 0.95
+/// on, from 0.8 on where both jump), which the solved pose hides. Not usable where that is for more
+/// than a quarter of the record from `begin` to `end` [s], a remark where it is shorter. Other
+/// findings, and those of less confidence, give none. O(findings).
+std::vector<VerdictReason> finding_reasons(const std::vector<Finding>& findings, double begin,
+                                           double end, const std::string& static_trial);
+
+}  // namespace sinew
