@@ -10,7 +10,8 @@
 namespace sinew {
 
 /// The options of `sinew run` that mend a finding about its trial, `--swap A,B@0.2-0.4`, or the
-/// command that mends its static trial, of which the run takes a unit only; its advice where none does.
+/// command that mends its static trial, of which the run takes a unit only; its advice where none
+/// does.
 std::string run_remedy(const Finding& finding, const std::string& static_trial);
 
 /// Code `exchanged-markers`: markers that certainly bear each other's names (confidence from 0.95
