@@ -50,6 +50,7 @@ class Timer {
     for (const Side side : {Side::kLeft, Side::kRight}) {
       const double distance = distance_at_rest(contact, side);
       if (std::isnan(distance) || (best && best->distance <= distance)) continue;
+      if (!seen_about(side, contact.from) || !seen_about(side, contact.to)) continue;
       best = ContactTiming{0, side, distance, 0.0, 0.0};
     }
     if (best) correlate(contact, *best);
@@ -65,6 +66,17 @@ class Timer {
     while (first < end && markers_.time[first] < contact.from - margin) ++first;
     while (end > first && markers_.time[end - 1] > contact.to + margin) --end;
     return {first, end};
+  }
+
+  // Whether gaps leave when the foot comes to rest or leaves it, if that is at `time`.
+  bool seen_about(Side side, double time) const {
+    constexpr double kNear = 0.15;  // [s]
+    const auto& rest = rest_[index(side)];
+    for (int f = 0; f < markers_.frame_count(); ++f) {
+      if (std::abs(markers_.time[f] - time) > kNear) continue;
+      if (std::isnan(rest[static_cast<std::size_t>(f)])) return false;
+    }
+    return true;
   }
 
   // Mean distance, seen from above, of the centre of pressure from the nearest of the foot's

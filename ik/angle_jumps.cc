@@ -7,6 +7,8 @@
 #include <numbers>
 #include <string>
 
+#include "model/limb_paths.h"
+
 namespace sinew {
 namespace {
 
@@ -33,20 +35,6 @@ Jumps find_jumps(const Eigen::VectorXd& time, const RowMatrix& coordinates, Eige
   return jumps;
 }
 
-// Bodies that a body moves or is carried by, itself among them.
-std::vector<bool> chain_of(const MusculoskeletalModel& model, int body) {
-  std::vector<bool> chain(model.bodies.size(), false);
-  const auto parent = [&](std::size_t b) {
-    return static_cast<std::size_t>(model.joints[b - 1].parent);
-  };
-  chain[static_cast<std::size_t>(body)] = true;
-  for (auto b = static_cast<std::size_t>(body) + 1; b < chain.size(); ++b) {
-    chain[b] = chain[parent(b)];  // bodies stand after their parents
-  }
-  for (auto b = static_cast<std::size_t>(body); b > 0; b = parent(b)) chain[b] = true;
-  return chain;
-}
-
 VerdictReason make_reason(const MusculoskeletalModel& model, const Eigen::VectorXd& time,
                           std::size_t c, const Jumps& jumps) {
   const Coordinate& coordinate = model.coordinates[c];
@@ -70,11 +58,8 @@ VerdictReason make_reason(const MusculoskeletalModel& model, const Eigen::Vector
       "its "
       "second axis steps too, and its other angles are to be read with care";
   reason.angles = {coordinate.name};
-  const std::vector<bool> chain = chain_of(model, joint.child);
-  for (const Coordinate& each : model.coordinates) {
-    const auto child =
-        static_cast<std::size_t>(model.joints[static_cast<std::size_t>(each.joint)].child);
-    if (chain[child]) reason.torques.push_back(each.name);
+  for (const int each : torques_with(model, joint.child)) {
+    reason.torques.push_back(model.coordinates[static_cast<std::size_t>(each)].name);
   }
   return reason;
 }

@@ -48,6 +48,24 @@ std::vector<std::string> coordinates_to_ground(const MusculoskeletalModel& model
   return names;
 }
 
+std::vector<int> torques_with(const MusculoskeletalModel& model, int body) {
+  std::vector<bool> chain(model.bodies.size(), false);
+  const auto parent = [&](std::size_t b) {
+    return static_cast<std::size_t>(model.joints[b - 1].parent);
+  };
+  chain[static_cast<std::size_t>(body)] = true;
+  for (auto b = static_cast<std::size_t>(body) + 1; b < chain.size(); ++b) {
+    chain[b] = chain[parent(b)];  // bodies stand after their parents
+  }
+  for (auto b = static_cast<std::size_t>(body); b > 0; b = parent(b)) chain[b] = true;
+  std::vector<int> coordinates;
+  for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(model.coordinates[c].joint)];
+    if (chain[static_cast<std::size_t>(joint.child)]) coordinates.push_back(static_cast<int>(c));
+  }
+  return coordinates;
+}
+
 int side_of(const std::string& name, const std::string& partner) {
   if (name.size() != partner.size()) return 0;
   const auto at = std::mismatch(name.begin(), name.end(), partner.begin()).first;

@@ -16,6 +16,10 @@ Eigen::Vector3d up_of(const MusculoskeletalModel& model);
 /// Names of the coordinates of all joints between `body` and ground.
 std::vector<std::string> coordinates_to_ground(const MusculoskeletalModel& model, int body);
 
+/// Coordinates, ascending, of all joints whose torque hangs on how `body` moves: of those that
+/// carry it and of those that it carries.
+std::vector<int> torques_with(const MusculoskeletalModel& model, int body);
+
 /// −1 left, 1 right, 0 neither: whether a name and its partner's differ by an l or an r.
 int side_of(const std::string& name, const std::string& partner);
 /// Of a body of the model.

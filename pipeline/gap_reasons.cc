@@ -98,14 +98,16 @@ std::string times_of(const std::set<int>& frames, const MarkerTrajectories& mark
 }
 
 void add_undetermined(const MusculoskeletalModel& model, const MarkerTrajectories& markers,
-                      int frames, const std::vector<UndeterminedStretch>& stretches,
-                      std::vector<VerdictReason>& reasons) {
+                      int begin, int end, const std::vector<UndeterminedStretch>& stretches,
+                      int reach, std::vector<VerdictReason>& reasons) {
   if (stretches.empty()) return;
   std::set<int> frames_seen;
   std::map<int, int> frames_of;  // by coordinate
   bool nothing = false;
   for (const UndeterminedStretch& stretch : stretches) {
-    for (int f = stretch.first; f < stretch.first + stretch.count; ++f) frames_seen.insert(f);
+    const int from = std::max(begin, stretch.first - reach);
+    const int to = std::min(end, stretch.first + stretch.count + reach);
+    for (int f = from; f < to; ++f) frames_seen.insert(f);
     for (const int c : stretch.coordinates) frames_of[c] += stretch.count;
     nothing = nothing || stretch.measured_markers == 0;
   }
@@ -114,21 +116,23 @@ void add_undetermined(const MusculoskeletalModel& model, const MarkerTrajectorie
   bool root = false;
   for (const auto& [c, count] : frames_of) {
     const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(c)];
-    const double share = double(count) / frames;
+    const double share = double(count) / (end - begin);
     names.push_back(coordinate.name);
     most = std::max(most, share);
     if (share <= kMostUndetermined) continue;
     spoiled.push_back(coordinate.name);
     root = root || model.joints[static_cast<std::size_t>(coordinate.joint)].parent == 0;
   }
-  VerdictReason reason =
-      of("gap",
-         fmt::format("too few markers are seen to tell {} from {}{}: there nothing is measured, "
-                     "the values go on from what is known beside it",
-                     nothing ? "the pose" : list_names(names), times_of(frames_seen, markers),
-                     nothing ? ", and none at all in part of it" : ""),
-         100.0 * most, std::nan(""),
-         "use no angles and torques of these times, or solve a part with --from and --to");
+  VerdictReason reason = of(
+      "gap",
+      fmt::format(
+          "too few markers are seen to tell {}{}: there the values go on from what is known "
+          "beside it; angles and torques of {} hang on them",
+          nothing ? "the pose" : list_names(names), nothing ? ", and none at all in a part" : "",
+          times_of(frames_seen, markers)),
+      100.0 * most, std::nan(""),
+      "use nothing where a column NAME_determined of id.sto is 0, or solve a part with --from and "
+      "--to");
   reason.unit = "% of the frames";
   if (!spoiled.empty()) reason.limit = 100.0 * kMostUndetermined;
   if (root) reason.weight = VerdictReason::Weight::kUnusable;
@@ -142,11 +146,12 @@ void add_undetermined(const MusculoskeletalModel& model, const MarkerTrajectorie
 std::vector<VerdictReason> gap_reasons(const MusculoskeletalModel& model,
                                        const TrackingProblem& tracking,
                                        const MarkerTrajectories& markers, int first, int end,
-                                       const std::vector<UndeterminedStretch>& stretches) {
+                                       const std::vector<UndeterminedStretch>& stretches,
+                                       int reach) {
   std::vector<VerdictReason> reasons;
   if (end <= first) return reasons;
   add_shares(missing_of(tracking, markers, first, end), end - first, markers.rate, reasons);
-  add_undetermined(model, markers, end - first, stretches, reasons);
+  add_undetermined(model, markers, first, end, stretches, reach, reasons);
   return reasons;
 }
 

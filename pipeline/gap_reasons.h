@@ -17,10 +17,12 @@ namespace sinew {
 ///   of which neither angles nor torques can be used there. The figure is the largest share of the
 ///   frames that a coordinate is undetermined in. Those that are so in more than a quarter cannot
 ///   be used at all, and nothing can if one of them moves the whole body. And markers that are
-///   measured in fewer frames than a tenth of a second has, which say nothing.
+///   measured in fewer frames than a tenth of a second has, which say nothing. Times are `reach`
+///   frames longer on both sides, as far as filters carry what is filled in.
 std::vector<VerdictReason> gap_reasons(const MusculoskeletalModel& model,
                                        const TrackingProblem& tracking,
                                        const MarkerTrajectories& markers, int first, int end,
-                                       const std::vector<UndeterminedStretch>& stretches);
+                                       const std::vector<UndeterminedStretch>& stretches,
+                                       int reach);
 
 }  // namespace sinew

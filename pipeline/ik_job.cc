@@ -10,7 +10,6 @@
 #include "data/gap_filling.h"
 #include "data/storage_file.h"
 #include "data/trc_file.h"
-#include "ik/undetermined_stretches.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
 #include "pipeline/coordinate_values.h"
@@ -48,10 +47,10 @@ void weigh_filled(const IkInputs& inputs, IkJob& job) {
 void bridge_gaps(IkJob& job, TrackingResult& result) {
   const MarkerTrajectories& markers = job.recording.markers;
   const int first = job.options.first_frame;
-  const std::vector<UndeterminedStretch> stretches = find_undetermined_stretches(
+  const std::vector<UndeterminedStretch>& stretches = job.stretches = find_undetermined_stretches(
       job.model, job.tree, job.tracking, markers, first, result.coordinates);
-  job.reasons =
-      gap_reasons(job.model, job.tracking, markers, first, job.options.end_frame, stretches);
+  job.reasons = gap_reasons(job.model, job.tracking, markers, first, job.options.end_frame,
+                            stretches, job.reach);
   if (stretches.empty()) return;
   const double seconds = result.seconds;
   const TrackingProblem bridged =
@@ -103,6 +102,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
   job.options.cold_start.starts = inputs.starts;
   job.options.minimizer.record_iterations = inputs.record_iterations;
   job.options.threads = inputs.threads;
+  job.reach = static_cast<int>(std::ceil(inputs.reach * job.recording.markers.rate));
   return job;
 }
 

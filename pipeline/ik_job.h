@@ -12,6 +12,7 @@
 #include "dynamics/coordinate_table.h"
 #include "ik/filled_weights.h"
 #include "ik/tracking.h"
+#include "ik/undetermined_stretches.h"
 #include "model/kinematic_tree.h"
 #include "model/musculoskeletal_model.h"
 #include "pipeline/output_check.h"
@@ -43,6 +44,7 @@ struct IkInputs {
   std::filesystem::path filled_file;     // which samples were filled in; may be empty
   double filled_weight = kFilledWeight;  // of these, where nothing tells how well
   bool leave_out_spikes = true;          // of markers (data/marker_spikes.h)
+  double reach = 0.0;                    // as far as filters carry what is filled into a gap [s]
   int threads = 0;
   bool record_iterations = false;  // for a trace
 };
@@ -54,8 +56,11 @@ struct IkJob {
   MarkerFile recording;
   TrackingProblem tracking;
   TrackingOptions options;
-  std::vector<Warning> warnings;       // of reading and binding
-  std::vector<VerdictReason> reasons;  // of gaps; complete after solve_ik()
+  int reach = 0;                  // IkInputs' in frames
+  std::vector<Warning> warnings;  // of reading and binding
+  // Complete after solve_ik():
+  std::vector<UndeterminedStretch> stretches;
+  std::vector<VerdictReason> reasons;  // of gaps
 };
 
 /// The files among the inputs, for check_output and summary.json.

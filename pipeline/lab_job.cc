@@ -75,6 +75,9 @@ class Preparation {
     scale(generic, walk, well_filled(markers, filled));
     attach(markers);
     filter_lab_markers(markers, walk.file.path, log_, warnings_);
+    for (const Decision& decision : log_.decisions()) {
+      if (decision.name == "marker cutoff") job_.marker_cutoff = decision.value.get<double>();
+    }
     write_trc(folder_ / kMarkers, markers);
     settle_motion(markers);
     assign_loads(walk, markers);
@@ -226,12 +229,9 @@ class Preparation {
                "--loads FILE.xml gives forces from elsewhere"}});
       return;
     }
-    double cutoff = -1.0;
-    for (const Decision& decision : log_.decisions()) {
-      if (decision.name == "marker cutoff") cutoff = decision.value.get<double>();
-    }
-    const FootAssignment assignment = settle_contacts(walk.plates, markers, walk.file.path, model_,
-                                                      threshold_, cutoff, options_, log_);
+    const FootAssignment assignment =
+        settle_contacts(walk.plates, markers, walk.file.path, model_, threshold_,
+                        job_.marker_cutoff, options_, log_);
     write_ground_reactions(assignment, walk.plates, foot_loads(assignment, walk.plates),
                            folder_ / kForces, folder_ / kLoads);
     job_.dynamics.loads = (folder_ / kLoads).string();

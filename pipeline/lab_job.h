@@ -24,6 +24,7 @@ struct LabJob {
   std::optional<StrideMass> carried;     // by the platforms over whole strides
   std::optional<double> standing_mass;   // that they carry in the static trial [kg]
   std::vector<VerdictReason> reasons;    // of the static trial, the mass and the fit of sizes
+  double marker_cutoff = -1.0;           // [Hz]; negative: not filtered
   std::optional<AutoScaleResult> fit;    // of the model to static trial and walk
 };
 

@@ -110,6 +110,8 @@ struct RunCommand {
     if (ik.model.empty() && ik.markers.empty()) use_example();
     IkInputs inputs = ik.inputs();
     inputs.name_unmatched = !lab_job;  // or else they were named before
+    inputs.reach = filter_reach(dynamics.cutoff.value_or(kDefaultCutoff));
+    if (lab_job) inputs.reach = std::max(inputs.reach, filter_reach(lab_job->marker_cutoff));
     ik.require_files(inputs);
     InputFiles files = input_files(inputs);
     files.emplace_back("loads", dynamics.loads);
@@ -147,6 +149,7 @@ struct RunCommand {
       summary["decisions"] = log.to_json()["decisions"];
     }
     mark_undetermined(undetermined, torques->forces);
+    mark_stretches(job, torques->forces);
     if (lab_job && lab_job->coverage) {
       const int first = job.options.first_frame;
       summary["loads"] = coverage_summary(*lab_job->coverage, first, job.model, torques->forces);

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "model/limb_paths.h"
 #include "pipeline/option_checks.h"
 #include "pipeline/reports.h"
 
@@ -74,5 +76,33 @@ void mark_undetermined(const std::vector<std::string>& names, TimeTable& forces)
   forces.values.rightCols(static_cast<Eigen::Index>(names.size())).setZero();
   for (const std::string& name : names) forces.labels.push_back(name + "_determined");
 }
+
+void mark_stretches(const IkJob& job, TimeTable& forces) {
+  const Eigen::Index frames = forces.values.rows();
+  std::map<int, Eigen::VectorXd> determined;  // by coordinate
+  for (const UndeterminedStretch& stretch : job.stretches) {
+    const Eigen::Index first = stretch.first - job.options.first_frame;
+    const Eigen::Index from = std::clamp<Eigen::Index>(first - job.reach, 0, frames);
+    const Eigen::Index to = std::clamp<Eigen::Index>(first + stretch.count + job.reach, 0, frames);
+    for (const int c : stretch.coordinates) {
+      const int joint = job.model.coordinates[static_cast<std::size_t>(c)].joint;
+      const int body = job.model.joints[static_cast<std::size_t>(joint)].child;
+      for (const int hanging : torques_with(job.model, body)) {
+        const auto column = determined.try_emplace(hanging, Eigen::VectorXd::Ones(frames)).first;
+        column->second.segment(from, to - from).setZero();
+      }
+    }
+  }
+  for (const auto& [c, values] : determined) {
+    const std::string label =
+        job.model.coordinates[static_cast<std::size_t>(c)].name + "_determined";
+    if (forces.find_column(label) >= 0) continue;
+    forces.labels.push_back(label);
+    forces.values.conservativeResize(Eigen::NoChange, forces.values.cols() + 1);
+    forces.values.rightCols(1) = values;
+  }
+}
+
+double filter_reach(double cutoff) { return cutoff > 0.0 ? 0.5 / cutoff : 0.0; }
 
 }  // namespace sinew

@@ -34,4 +34,14 @@ std::vector<std::string> undetermined_in(const TimeTable& motion);
 /// 0 where a torque cannot be used. A coordinate without such a column is determined.
 void mark_undetermined(const std::vector<std::string>& names, TimeTable& forces);
 
+/// The same for coordinates that gaps leave undetermined for a while, and for those whose torque
+/// hangs on them (torques_with()): 0 in the job's stretches and as far beside them as filters carry
+/// (IkInputs::reach), 1 elsewhere. Rows of `forces` are the frames that were solved.
+void mark_stretches(const IkJob& job, TimeTable& forces);
+
+/// How far a zero-lag low-pass carries what stands in a gap beyond it [s]: half a period of its
+/// cutoff [Hz], after which the response of a Butterworth filter of fourth order has gone below a
+/// hundredth. Not positive: 0.
+double filter_reach(double cutoff);
+
 }  // namespace sinew
