@@ -53,6 +53,8 @@ class ExternalLoads {
   };
 
   int size() const { return static_cast<int>(loads_.size()); }
+  /// Whether load 0 … size() − 1 acts at a point of its own, rather than at its body's origin.
+  bool has_point(int load) const { return loads_[static_cast<std::size_t>(load)].has_point; }
   const std::vector<Warning>& warnings() const { return warnings_; }
 
   /// Throws InputError unless the recording covers from … to [s], to half its mean step.

@@ -24,6 +24,25 @@ int fullest_frame(const TrackingProblem& tracking, const MarkerTrajectories& mar
   return best;
 }
 
+// By tracked marker: measured for a tenth of a second, or all the time where that is less. Less
+// tells of no movement.
+std::vector<bool> often_measured(const TrackingProblem& tracking, const MarkerTrajectories& markers,
+                                 int first_frame, int count) {
+  constexpr double kLeast = 0.1;  // [s]
+  const int least = std::min(count, static_cast<int>(std::lround(kLeast * markers.rate)));
+  std::vector<bool> often;
+  for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
+    int measured = 0;
+    for (int f = first_frame; f < first_frame + count; ++f) {
+      measured +=
+          !(tracking.filled.size() > 0 && tracking.filled(f, static_cast<Eigen::Index>(i))) &&
+          markers.position(f, tracking.markers[i].recorded).allFinite();
+    }
+    often.push_back(measured > 0 && measured >= least);
+  }
+  return often;
+}
+
 bool moves(const MusculoskeletalModel& model, const KinematicTree& tree, int body) {
   const Joint& joint = model.joints[static_cast<std::size_t>(body) - 1];
   return std::any_of(joint.coordinates.begin(), joint.coordinates.end(), [&](int c) {
@@ -107,12 +126,13 @@ MarkerCoverage marker_coverage(const MusculoskeletalModel& model, const Kinemati
     if (!link_of(c)) coverage.undetermined.push_back(c);
   }
   const std::vector<Segment> segments = segments_of(model, tree);
+  const std::vector<bool> told = often_measured(tracking, markers, first_frame, count);
   const auto has_marker = [&](const Segment& segment) {
-    return std::any_of(tracking.markers.begin(), tracking.markers.end(),
-                       [&](const TrackedMarker& m) {
-                         const Marker& marker = model.markers[static_cast<std::size_t>(m.model)];
-                         return segments[static_cast<std::size_t>(marker.body)] == segment;
-                       });
+    for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
+      const Marker& marker = model.markers[static_cast<std::size_t>(tracking.markers[i].model)];
+      if (told[i] && segments[static_cast<std::size_t>(marker.body)] == segment) return true;
+    }
+    return false;
   };
   for (std::size_t b = 1; b < model.bodies.size(); ++b) {
     const Segment& segment = segments[b];
@@ -124,17 +144,21 @@ MarkerCoverage marker_coverage(const MusculoskeletalModel& model, const Kinemati
     }
     coverage.bare_segments.push_back(segment);
   }
-  for (const int c : coverage.undetermined) {
-    const Joint& joint =
-        model
-            .joints[static_cast<std::size_t>(model.coordinates[static_cast<std::size_t>(c)].joint)];
-    for (const Segment& bare : coverage.bare_segments) {
-      if (segments[static_cast<std::size_t>(joint.child)] != bare &&
-          segments[static_cast<std::size_t>(joint.parent)] != bare) {
-        continue;
-      }
-      coverage.bare_coordinates.push_back(c);
-      break;
+  // A joint between two segments turns by what markers on both tell. A chain of joints that has
+  // markers on its far end only may be closed by their fewer freedoms, but no measurement.
+  for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+    const int v = tree.v_of_coordinate[c];
+    const bool free = v >= 0 && (tree.unknown_of_v[static_cast<std::size_t>(v)] >= 0 ||
+                                 tree.coupling_of_v[static_cast<std::size_t>(v)] >= 0);
+    if (!free || link_of(static_cast<int>(c))) continue;
+    const Joint& joint = model.joints[static_cast<std::size_t>(model.coordinates[c].joint)];
+    const auto bare = [&](int body) {
+      return body > 0 &&
+             std::find(coverage.bare_segments.begin(), coverage.bare_segments.end(),
+                       segments[static_cast<std::size_t>(body)]) != coverage.bare_segments.end();
+    };
+    if (bare(joint.child) || bare(joint.parent)) {
+      coverage.bare_coordinates.push_back(static_cast<int>(c));
     }
   }
   return coverage;

@@ -13,8 +13,9 @@ namespace sinew {
 struct MarkerCoverage {
   // Coordinates that they leave open, dependent ones included, those of virtual links not.
   std::vector<int> undetermined;
-  std::vector<Segment> bare_segments;  // that move by themselves and have no tracked marker …
-  std::vector<int> bare_coordinates;   // … and the undetermined coordinates of their joints
+  // That move by themselves and have no tracked marker that is measured for a tenth of a second …
+  std::vector<Segment> bare_segments;
+  std::vector<int> bare_coordinates;  // … and the coordinates of the joints at both of their ends
 };
 
 /// Looks at the frame in which most tracked markers are measured, at its pose `q`, or at the

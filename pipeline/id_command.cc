@@ -9,6 +9,7 @@
 #include "pipeline/id_job.h"
 #include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
+#include "pipeline/load_placement.h"
 #include "pipeline/option_checks.h"
 #include "pipeline/output_check.h"
 #include "pipeline/undetermined.h"
@@ -118,6 +119,15 @@ struct IdCommand {
     evidence.model = model_evidence(description);
     evidence.dynamics = dynamics_evidence(description, forces, job.loads, {});
     evidence.dynamics->not_given = coordinates_not_given(description, motion);
+    // Loads say nothing beyond the frames that were solved.
+    Eigen::Index first = 0;
+    while (motion.time[first] < job.options.from) ++first;
+    const Eigen::Index count = std::min(forces.time.size(), motion.time.size() - first);
+    evidence.found =
+        load_placement_reasons(description,
+                               load_placements(description, motion.time.segment(first, count),
+                                               motion.q.middleRows(first, count), job.loads),
+                               evidence.dynamics->supporting);
     return evidence;
   }
 };

@@ -14,6 +14,7 @@
 #include "pipeline/lab_job.h"
 #include "pipeline/lab_loads.h"
 #include "pipeline/lab_options.h"
+#include "pipeline/load_placement.h"
 #include "pipeline/output_check.h"
 #include "pipeline/reports.h"
 #include "pipeline/run_digest.h"
@@ -196,6 +197,10 @@ struct RunCommand {
                   lab_job->standing_mass.value_or(kNaN)};
     }
     evidence.dynamics = dynamics_evidence(job.model, forces, id_job.loads, coverage);
+    const std::vector<VerdictReason> placed = load_placement_reasons(
+        job.model, load_placements(job.model, solved.time, solved.coordinates, id_job.loads),
+        evidence.dynamics->supporting);
+    evidence.found.insert(evidence.found.end(), placed.begin(), placed.end());
     return evidence;
   }
 

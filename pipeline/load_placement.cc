@@ -1,0 +1,148 @@
+#include "pipeline/load_placement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "data/statistics.h"
+#include "model/kinematic_tree.h"
+#include "model/limb_paths.h"
+#include "pipeline/verdict_reasons.h"
+
+namespace sinew {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLoaded = 0.1;   // of the weight; below it points are noise
+constexpr double kNearer = 0.05;  // [m] feet side by side are farther apart
+constexpr double kMostNearer = 0.5;
+// A foot is 0.1 m wide and its body's points lie along its middle; published trials stay below it.
+// The whole weight 0.4 m beside the foot is a moment larger than any ankle's.
+constexpr double kBeside = 0.15, kFarBeside = 0.4;  // [m]
+
+struct BodyPoint {
+  int body;
+  Vector3d p_B;
+};
+
+// Points of a body and of those that it carries.
+std::vector<BodyPoint> points_of(const MusculoskeletalModel& model, int body) {
+  std::vector<bool> of(model.bodies.size(), false);
+  of[static_cast<std::size_t>(body)] = true;
+  std::vector<BodyPoint> points;
+  for (std::size_t b = static_cast<std::size_t>(body); b < of.size(); ++b) {
+    const Joint& joint = model.joints[b - 1];
+    if (static_cast<int>(b) != body) of[b] = of[static_cast<std::size_t>(joint.parent)];
+    if (!of[b]) continue;
+    points.push_back({static_cast<int>(b), Vector3d::Zero()});
+    points.push_back({static_cast<int>(b), model.bodies[b].p_BCm});
+  }
+  for (const Marker& marker : model.markers) {
+    if (marker.body > 0 && of[static_cast<std::size_t>(marker.body)]) {
+      points.push_back({marker.body, marker.p_BM});
+    }
+  }
+  return points;
+}
+
+double distance_from_above(const KinematicWorkspace& ws, const std::vector<BodyPoint>& points,
+                           const Vector3d& p, const Vector3d& up) {
+  double nearest = kNaN;
+  for (const BodyPoint& point : points) {
+    Vector3d d = ws.X_WB[static_cast<std::size_t>(point.body)] * point.p_B - p;
+    d -= up * up.dot(d);
+    nearest = std::fmin(nearest, d.norm());
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
+                                           const Eigen::VectorXd& time, const RowMatrix& q,
+                                           const ExternalLoads& loads) {
+  const KinematicTree tree = compile_tree(model);
+  KinematicWorkspace ws(tree);
+  const Vector3d up = up_of(model);
+  const double least = kLoaded * model.total_mass() * model.gravity.norm();
+  struct Load {
+    int index;
+    LoadPlacement placement;
+    std::vector<BodyPoint> own, others;
+    std::vector<double> distances, to_other;
+    int nearer = 0;
+  };
+  std::vector<Load> all;
+  for (int i = 0; i < loads.size() && time.size() > 0; ++i) {
+    const int body = loads.sample(i, time[0]).body;
+    const int other = body > 0 ? partner_body(model, body) : -1;
+    if (other < 0 || !loads.has_point(i)) continue;
+    Load load{i, {}, points_of(model, body), points_of(model, other), {}, {}, 0};
+    load.placement.body = body;
+    load.placement.other = other;
+    all.push_back(std::move(load));
+  }
+  if (all.empty()) return {};
+  for (Eigen::Index f = 0; f < time.size(); ++f) {
+    std::copy(tree.default_q.begin(), tree.default_q.end(), ws.q.begin());
+    for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+      const int at = tree.q_of_coordinate[c];
+      if (at >= 0) ws.q[static_cast<std::size_t>(at)] = q(f, static_cast<Eigen::Index>(c));
+    }
+    update_poses(tree, ws);
+    for (Load& load : all) {
+      const ExternalLoads::Sample sample = loads.sample(load.index, time[f]);
+      if (!(sample.force.norm() > least)) continue;
+      const Vector3d p = ws.X_WB[static_cast<std::size_t>(sample.point_frame)] * sample.point;
+      load.distances.push_back(distance_from_above(ws, load.own, p, up));
+      load.to_other.push_back(distance_from_above(ws, load.others, p, up));
+      load.nearer += load.to_other.back() + kNearer < load.distances.back();
+    }
+  }
+  std::vector<LoadPlacement> placements;
+  for (Load& load : all) {
+    load.placement.frames = static_cast<int>(load.distances.size());
+    if (load.placement.frames > 0) {
+      load.placement.nearer_other = static_cast<double>(load.nearer) / load.placement.frames;
+      load.placement.distance = median(std::move(load.distances));
+      load.placement.to_other = median(std::move(load.to_other));
+    }
+    placements.push_back(load.placement);
+  }
+  return placements;
+}
+
+std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& model,
+                                                  const std::vector<LoadPlacement>& placements,
+                                                  const std::vector<std::string>& supporting) {
+  std::vector<VerdictReason> reasons;
+  const auto name = [&](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
+  for (const LoadPlacement& p : placements) {
+    if (p.frames == 0) continue;
+    if (auto* r = judge_figure(reasons, {p.nearer_other, kMostNearer, kMostNearer}, 100.0,
+                               "% of its frames", "loads-of-other-foot", "Sinew")) {
+      r->text = fmt::format(
+          "the force on {} acts at {}: from above {:.2f} m from the one and {:.2f} m from the "
+          "other",
+          name(p.body), name(p.other), p.distance, p.to_other);
+      r->remedy =
+          "exchange the bodies that the forces are applied to, or look whether left and right "
+          "markers are exchanged";
+      r->torques = supporting;
+      continue;
+    }
+    if (auto* r = judge_figure(reasons, {p.distance, kBeside, kFarBeside}, 1e3, "mm",
+                               "loads-beside-foot", "Sinew")) {
+      r->text = fmt::format("the force on {} acts beside it, seen from above", name(p.body));
+      r->remedy =
+          "look at axes, origin and unit of the centres of pressure: `sinew check LOADS.mot "
+          "RECORDING`";
+      if (r->weight == VerdictReason::Weight::kUnusable) r->torques = supporting;
+    }
+  }
+  return reasons;
+}
+
+}  // namespace sinew

@@ -1,0 +1,90 @@
+#include "pipeline/load_placement.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "data/storage_file.h"
+#include "tests/pipeline/command_line.h"
+#include "tests/pipeline/lab_trial.h"
+
+namespace sinew {
+namespace {
+
+using Json = nlohmann::json;
+
+class LoadPlacementOfWalk : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
+  static void TearDownTestSuite() {
+    delete trial_;
+    trial_ = nullptr;
+  }
+
+  // The verdict on the true angles with a file of loads.
+  static Json judged(const std::string& loads, int exit_code) {
+    const Outcome outcome =
+        run_sinew(trial_->path(), {"id", "--model", "model.osim", "--coordinates", "truth_ik.mot",
+                                   "--cutoff", "-1", "--loads", loads, "--out", "id.sto"});
+    EXPECT_EQ(outcome.exit_code, exit_code) << loads << outcome.out << outcome.err;
+    return Json::parse(content_of(trial_->path() / "id_verdict.json"));
+  }
+  static Json reason(const Json& verdict, const std::string& code) {
+    for (const Json& r : verdict["reasons"]) {
+      if (r["code"] == code) return r;
+    }
+    return nullptr;
+  }
+
+  // The loads with all points moved along the platforms' z, which points to the right.
+  static void move_sideways(double distance) {
+    TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+    for (std::size_t c = 0; c < loads.labels.size(); ++c) {
+      if (loads.labels[c].ends_with("_pz")) {
+        loads.values.col(static_cast<Eigen::Index>(c)).array() += distance;
+      }
+    }
+    write_storage(trial_->path() / "moved.mot", loads);
+    std::string setup = content_of(trial_->path() / "grf.xml");
+    setup.replace(setup.find("grf.mot"), 7, "moved.mot");
+    trial_->write("moved.xml", setup);
+  }
+
+  static LabTrialFiles* trial_;
+};
+
+LabTrialFiles* LoadPlacementOfWalk::trial_ = nullptr;
+
+TEST_F(LoadPlacementOfWalk, IsRightAsRecorded) {
+  const Json verdict = judged("grf.xml", 0);
+  EXPECT_TRUE(reason(verdict, "loads-of-other-foot").is_null()) << verdict;
+  EXPECT_TRUE(reason(verdict, "loads-beside-foot").is_null()) << verdict;
+}
+
+// Every figure of the sums is as good as before: only places tell.
+TEST_F(LoadPlacementOfWalk, TellsExchangedFeet) {
+  std::string setup = content_of(trial_->path() / "grf.xml");
+  for (std::size_t at = 0; (at = setup.find("calcn_", at)) != setup.npos; at += 7) {
+    setup[at + 6] = setup[at + 6] == 'r' ? 'l' : 'r';
+  }
+  trial_->write("exchanged.xml", setup);
+  const Json verdict = judged("exchanged.xml", 1);
+  const Json found = reason(verdict, "loads-of-other-foot");
+  ASSERT_FALSE(found.is_null()) << verdict;
+  EXPECT_EQ(found["weight"], "unusable");
+  EXPECT_GT(found["figure"].get<double>(), 90.0);
+  EXPECT_EQ(verdict["joints"]["knee_r"]["torques"], "unusable");
+  EXPECT_EQ(verdict["joints"]["shoulder_r"]["torques"], "usable");
+}
+
+// To the right of both feet, so that the left foot's come to lie at the right one.
+TEST_F(LoadPlacementOfWalk, TellsHowFarBesideTheFootForcesAct) {
+  move_sideways(-1.0);
+  const Json far = reason(judged("moved.xml", 1), "loads-beside-foot");
+  ASSERT_FALSE(far.is_null());
+  EXPECT_EQ(far["weight"], "unusable");
+  EXPECT_NEAR(far["figure"].get<double>(), 1000.0, 80.0);  // half of a foot's width
+}
+
+}  // namespace
+}  // namespace sinew
