@@ -225,6 +225,11 @@ TEST(JudgeDynamics, LooksAtTheLoadsDirectionAndSum) {
   expect_reason(judge_dynamics(d), "mass-carried", Weight::kUnusable, 120.46, 3.0, "%");
   d.carried_mass = 68.0;
   d.mass_of_some_frames = true;  // a record that ends in a step tells less
+  d.carried_mass = 75.0 / 2.2046;
+  EXPECT_EQ(find(judge_dynamics(d), "mass-carried")->weight, Weight::kRemark);
+  d.by_platforms = false;
+  EXPECT_EQ(find(judge_dynamics(d), "mass-carried")->weight, Weight::kUnusable);
+  d.carried_mass = 68.0;
   EXPECT_EQ(find(judge_dynamics(d), "mass-carried"), nullptr);
 }
 
