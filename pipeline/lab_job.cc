@@ -64,7 +64,7 @@ class Preparation {
     gather_inputs();
     threshold_ = log_.settle_number(
         {"threshold", {}, kThreshold, "[N] what laboratories use", {}, "", "--threshold"}, true);
-    LabTrial walk = read_lab_recording(options_.c3d, "", threshold_, log_, warnings_);
+    LabTrial walk = read_lab_recording(options_.c3d, "", threshold_, nullptr, log_, warnings_);
     entered_ = subject_parameters(walk.file);
     const GenericModel generic = generic_model(job_.ik.model, entered_, options_, folder_, log_);
     report(warnings_, generic.model.warnings);
@@ -150,8 +150,8 @@ class Preparation {
     std::optional<MarkerFile> standing;
     std::vector<ForcePlatformRecording> plates;
     if (!options_.static_trial.empty()) {
-      const LabTrial trial =
-          read_lab_recording(options_.static_trial, "static ", threshold_, log_, warnings_);
+      const LabTrial trial = read_lab_recording(options_.static_trial, "static ", threshold_,
+                                                &walk.file.markers, log_, warnings_);
       standing = MarkerFile{trial.file.path, name(trial, "static ", generic.model), {}};
       plates = trial.plates;
       write_trc(folder_ / kStatic, standing->markers);

@@ -8,6 +8,7 @@
 #include "data/c3d_reader.h"
 #include "data/c3d_writer.h"
 #include "data/storage_file.h"
+#include "data/trc_file.h"
 #include "tests/pipeline/command_line.h"
 #include "tests/pipeline/lab_trial.h"
 
@@ -105,6 +106,58 @@ TEST_F(LabStatic, WhatIsChosenAnywayCanBeSaid) {
       run("walk.c3d", "static.c3d", "said", {"--mass", "75", "--scale", "both"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(holds(outcome.out, "scaling: both (said by --scale")) << outcome.out;
+}
+
+// A static trial whose numbers are of another unit than it says is told by the walk's distances.
+TEST_F(LabStatic, UnitFollowsFromTheWalk) {
+  const MarkerTrajectories standing = read_trc(path() / "static.trc").markers;
+  const auto run_with = [&](double factor, const std::string& name) {
+    MarkerTrajectories other = standing;
+    other.p_WM *= factor;
+    write_trc(path() / (name + ".trc"), other);
+    return run("walk.c3d", name + ".trc", name, {"--mass", "75"});
+  };
+  const auto unit = [&](const std::string& out) {
+    const Json decisions = Json::parse(content_of(path() / out / "decisions.json"));
+    for (const Json& d : decisions["decisions"]) {
+      if (d["name"] == "static unit") return d["value"].get<std::string>();
+    }
+    return std::string();
+  };
+  ASSERT_EQ(run("walk.c3d", "static.trc", "as_is", {"--mass", "75"}).exit_code, 0);
+  EXPECT_EQ(unit("as_is"), "mm");
+  const Outcome inches = run_with(1.0 / 25.4, "inches");
+  ASSERT_EQ(inches.exit_code, 0) << inches.out << inches.err;
+  EXPECT_EQ(unit("inches"), "in");
+  const Outcome centimetres = run_with(0.1, "centimetres");
+  ASSERT_EQ(centimetres.exit_code, 0) << centimetres.err;
+  EXPECT_EQ(unit("centimetres"), "cm");
+  // 10 decimals of a millimetre or of an inch.
+  const auto angles = [&](const std::string& out) {
+    return read_storage(path() / (out + "/ik.mot")).table.values;
+  };
+  EXPECT_LT((angles("inches") - angles("as_is")).cwiseAbs().maxCoeff(), 0.05);
+  const Outcome half = run_with(0.55, "half");
+  EXPECT_EQ(half.exit_code, 2);
+  EXPECT_TRUE(
+      holds(half.err, "half.trc: is of no unit that the walk would be of: its distances are 0.5"))
+      << half.err;
+  MarkerTrajectories same = standing;
+  same.p_WM.setConstant(0.5);
+  write_trc(path() / "point.trc", same);
+  const Outcome point = run("walk.c3d", "point.trc", "point", {"--mass", "75"});
+  EXPECT_EQ(point.exit_code, 2);
+  EXPECT_TRUE(holds(point.err, "is no recording of a person: all markers are in one place"))
+      << point.err;
+}
+
+TEST_F(LabStatic, AMirroredOneIsNotUsable) {
+  MarkerTrajectories mirrored = read_trc(path() / "static.trc").markers;
+  for (int m = 0; m < mirrored.marker_count(); ++m) mirrored.p_WM.col(3 * m + 2) *= -1.0;
+  write_trc(path() / "mirrored.trc", mirrored);
+  const Outcome outcome = run("walk.c3d", "mirrored.trc", "mirrored", {"--mass", "75"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "in the static trial")) << outcome.out;
 }
 
 TEST_F(LabStatic, ExchangedTrialsAreNotUsable) {
