@@ -101,6 +101,90 @@ double cosine_of_right(const MarkerTrajectories& markers, const std::vector<Mark
   return sum / std::max(count, 1);
 }
 
+// The mean place along `forward` of each marker, of those that are measured with all of the foot.
+std::vector<double> places_along(const MarkerTrajectories& markers, const std::vector<int>& which,
+                                 const std::vector<Vector3d>& forward, int& frames) {
+  std::vector<double> sums(which.size(), 0.0);
+  frames = 0;
+  for (int frame = 0; frame < markers.frame_count(); ++frame) {
+    const Vector3d& direction = forward[static_cast<std::size_t>(frame)];
+    const Vector3d middle = mean_position(markers, frame, which);
+    const bool all = std::all_of(which.begin(), which.end(),
+                                 [&](int m) { return markers.position(frame, m).allFinite(); });
+    if (direction.isZero() || !all) continue;
+    ++frames;
+    for (std::size_t i = 0; i < which.size(); ++i) {
+      sums[i] += direction.dot(markers.position(frame, which[i]) - middle);
+    }
+  }
+  for (double& sum : sums) sum /= std::max(frames, 1);
+  return sums;
+}
+
+// One foot that points backwards while the other does not: its heel and a toe bear each other's
+// names.
+void judge_feet(const MarkerTrajectories& markers, const std::vector<MarkerPair>& pairs,
+                const std::vector<std::size_t>& turned, const Vector3d& up,
+                std::vector<Finding>& findings) {
+  constexpr double kLeastLength = 0.05;  // [m] of a foot, seen from above
+  const FeetMarkers feet = find_foot_markers(markers);
+  if (!feet.left.has_ends() || !feet.right.has_ends()) return;
+  const auto of_foot = [&](int m) {
+    const auto has = [&](const FootMarkers& foot) {
+      return std::find(foot.all.begin(), foot.all.end(), m) != foot.all.end();
+    };
+    return has(feet.left) || has(feet.right);
+  };
+  std::vector<Vector3d> forward;
+  for (int frame = 0; frame < markers.frame_count(); ++frame) {
+    Vector3d right = Vector3d::Zero();
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      if (of_foot(pairs[k].left) || std::find(turned.begin(), turned.end(), k) != turned.end()) {
+        continue;
+      }
+      right += rightward(markers, frame, pairs[k], up);
+    }
+    forward.push_back(right.isZero() ? right : Vector3d(up.cross(right).normalized()));
+  }
+  struct Foot {
+    std::size_t heel = 0, toe = 0;  // into `which`: the foremost heel, the hindmost toe
+    std::vector<int> which;
+    double length = 0.0;  // from the heels to the toes along forward [m]
+  };
+  const auto look = [&](const FootMarkers& markers_of) {
+    Foot foot;
+    foot.which = markers_of.heel;
+    foot.which.insert(foot.which.end(), markers_of.toe.begin(), markers_of.toe.end());
+    const std::size_t heels = markers_of.heel.size();
+    int frames = 0;
+    const std::vector<double> places = places_along(markers, foot.which, forward, frames);
+    if (frames == 0) return foot;
+    const auto begin = places.begin(), middle = begin + static_cast<std::ptrdiff_t>(heels);
+    foot.heel = static_cast<std::size_t>(std::max_element(begin, middle) - begin);
+    foot.toe = static_cast<std::size_t>(std::min_element(middle, places.end()) - begin);
+    // Of the two that may be exchanged: other toes lie between them.
+    foot.length = places[foot.toe] - places[foot.heel];
+    return foot;
+  };
+  const Foot left = look(feet.left), right = look(feet.right);
+  for (const auto& [foot, other] : {std::pair{&left, &right}, std::pair{&right, &left}}) {
+    if (foot->length > -kLeastLength || other->length < kLeastLength) continue;
+    const std::string& heel = markers.names[static_cast<std::size_t>(foot->which[foot->heel])];
+    const std::string& toe = markers.names[static_cast<std::size_t>(foot->which[foot->toe])];
+    Finding finding;
+    finding.severity = Finding::Severity::kError;
+    finding.kind = "swap";
+    finding.where = heel + ", " + toe;
+    finding.confidence = 0.95;
+    finding.text = fmt::format(
+        "the toe lies {:.0f} mm behind the heel, and not so on the other foot: they bear each "
+        "other's names",
+        -1e3 * foot->length);
+    finding.flags = {"--swap", heel + "," + toe};
+    findings.push_back(std::move(finding));
+  }
+}
+
 void judge_all(const MarkerTrajectories& markers, const std::vector<MarkerPair>& pairs,
                const std::vector<std::size_t>& turned, const Vector3d& up,
                std::vector<Finding>& findings) {
@@ -176,6 +260,7 @@ std::vector<Finding> find_side_faults(const MarkerTrajectories& markers, const L
     finding.flags = {"--swap", left + "," + right};
     findings.push_back(std::move(finding));
   }
+  judge_feet(markers, pairs, turned, axes.up.axis, findings);
   judge_all(markers, pairs, turned, axes.up.axis, findings);
   return findings;
 }

@@ -32,6 +32,8 @@ Eigen::Vector3d rightward(const MarkerTrajectories& markers, int frame, const Ma
 ///    error: `--swap-sides`. Without heels and toes the way that the subject goes stands for it;
 ///    that may be backwards, so it is a warning;
 ///  - a subject that goes where the heels point, a note.
+/// Kind `swap`: one foot whose toe lies behind its heel, by where left and right of the other pairs
+/// say that forward is, while the other foot's does not, an error: `--swap HEEL,TOE`.
 /// Needs axes.up. O(frames · pairs).
 std::vector<Finding> find_side_faults(const MarkerTrajectories& markers, const LaboratoryAxes& axes,
                                       const SideCheckOptions& options = {});

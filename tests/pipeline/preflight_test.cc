@@ -196,6 +196,24 @@ TEST(Preflight, FindsExchangedTrajectoriesAndTheirFrames) {
   EXPECT_TRUE(find_marker_swaps(walk().markers).empty());
 }
 
+TEST(Preflight, FindsAHeelAndAToeThatAreExchangedAllTheTime) {
+  LaboratoryAxes axes;
+  axes.up.axis = Eigen::Vector3d::UnitY();
+  axes.up.confidence = 1.0;
+  EXPECT_TRUE(find_side_faults(walk().markers, axes).empty());
+  for (const char* toe : {"LTOE", "LMT5"}) {
+    MarkerTrajectories markers = walk().markers;
+    exchange(markers, markers.find_marker("LHEE"), markers.find_marker(toe), 0,
+             markers.frame_count());
+    const std::vector<Finding> findings = find_side_faults(markers, axes);
+    ASSERT_EQ(findings.size(), 1u) << toe;
+    EXPECT_EQ(findings[0].kind, "swap");
+    EXPECT_EQ(findings[0].flags, (std::vector<std::string>{"--swap", std::string("LHEE,") + toe}));
+    edit_markers(markers, 1.0, edits_of(findings));
+    EXPECT_TRUE(find_side_faults(markers, axes).empty()) << toe;
+  }
+}
+
 // Names tell which part of an exchange that is not undone is wrong, also where it is the longer.
 TEST(Preflight, TellsWhichPartOfAnExchangeIsWrong) {
   LaboratoryAxes axes;
