@@ -8,6 +8,7 @@
 #include "data/statistics.h"
 #include "model/kinematic_tree.h"
 #include "model/limb_paths.h"
+#include "model/tree_pose.h"
 #include "pipeline/verdict_reasons.h"
 
 namespace sinew {
@@ -86,12 +87,7 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
   }
   if (all.empty()) return {};
   for (Eigen::Index f = 0; f < time.size(); ++f) {
-    std::copy(tree.default_q.begin(), tree.default_q.end(), ws.q.begin());
-    for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
-      const int at = tree.q_of_coordinate[c];
-      if (at >= 0) ws.q[static_cast<std::size_t>(at)] = q(f, static_cast<Eigen::Index>(c));
-    }
-    update_poses(tree, ws);
+    pose_tree(tree, q.row(f), ws);
     for (Load& load : all) {
       const ExternalLoads::Sample sample = loads.sample(load.index, time[f]);
       if (!(sample.force.norm() > least)) continue;

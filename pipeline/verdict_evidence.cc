@@ -9,6 +9,7 @@
 #include "ik/angle_jumps.h"
 #include "model/limb_paths.h"
 #include "model/model_check.h"
+#include "model/tree_pose.h"
 #include "pipeline/reports.h"
 #include "pipeline/undetermined.h"
 #include "pipeline/verdict_limits.h"
@@ -72,6 +73,16 @@ double filled_share(const IkJob& job) {
   return static_cast<double>(part.count()) / static_cast<double>(part.size());
 }
 
+// The body that a foot's limb hangs from ground by.
+int pelvis_of(const MusculoskeletalModel& model, int foot) {
+  int body = foot;
+  while (true) {
+    const int parent = model.joints[static_cast<std::size_t>(body) - 1].parent;
+    if (parent == 0) return body;
+    body = parent;
+  }
+}
+
 CoordinateEvidence coordinate_evidence(const MusculoskeletalModel& model, int c,
                                        const Eigen::VectorXd& values) {
   constexpr double kAtBound = 1e-9;  // bounded coordinates are clipped to them exactly
@@ -91,6 +102,28 @@ CoordinateEvidence coordinate_evidence(const MusculoskeletalModel& model, int c,
     if (model.find_coordinate(name) > c) evidence.partner = name;
   }
   return evidence;
+}
+
+// Of at most a hundred frames; 0 for a model that stands for no person.
+double fallen_share(const MusculoskeletalModel& model, const KinematicTree& tree,
+                    const RowMatrix& coordinates) {
+  const Stance stance = default_stance(model);
+  if (!stands_for_a_person(model) || stance.feet.empty()) return 0.0;
+  KinematicWorkspace ws(tree);
+  const Eigen::Vector3d up = up_of(model);
+  const Eigen::Index step = std::max<Eigen::Index>(1, coordinates.rows() / 100);
+  int frames = 0, fallen = 0;
+  for (Eigen::Index f = 0; f < coordinates.rows(); f += step) {
+    pose_tree(tree, coordinates.row(f), ws);
+    Eigen::Vector3d feet = Eigen::Vector3d::Zero();
+    for (const int foot : stance.feet) feet += ws.X_WB[static_cast<std::size_t>(foot)].p;
+    const int root = pelvis_of(model, stance.feet.front());
+    const Eigen::Vector3d d =
+        ws.X_WB[static_cast<std::size_t>(root)].p - feet / static_cast<double>(stance.feet.size());
+    ++frames;
+    fallen += up.dot(d) < 0.5 * d.norm();
+  }
+  return static_cast<double>(fallen) / std::max(frames, 1);
 }
 
 // Sums of all loads: frames × 3 in ground's axes; false if some are given in others.
@@ -312,6 +345,7 @@ KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& r
   evidence.marker_rms = total_marker_rms(result);
   evidence.static_rms = static_rms;
   evidence.filled = filled_share(job);
+  evidence.fallen = fallen_share(job.model, job.tree, result.coordinates);
   evidence.markers = marker_evidence(job, result);
   std::set<std::string> undetermined;
   for (const VerdictReason& r : found) undetermined.insert(r.angles.begin(), r.angles.end());

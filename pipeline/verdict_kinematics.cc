@@ -47,6 +47,15 @@ void judge_frames(const KinematicsEvidence& k, std::vector<VerdictReason>& reaso
     r->text = "marker positions were filled in";
     r->remedy = "--max-gap fills less; filled.csv lists them";
   }
+  // A handstand or a recumbent bicycle is no fault, a wrong axis is.
+  if (auto* r = judge_figure(reasons, {k.fallen, kFallen, NAN}, 100.0, "% of the frames",
+                             "not-upright", kOwn)) {
+    r->text =
+        "the feet are not below the pelvis: the subject lies or stands on the head, or the "
+        "recording's up is not the model's";
+    r->remedy =
+        "`sinew check RECORDING` tells its axes; `sinew convert --up`, or `sinew run --c3d`";
+  }
 }
 
 void judge_markers(const KinematicsEvidence& k, std::vector<VerdictReason>& reasons) {

@@ -33,13 +33,14 @@ struct KinematicsEvidence {
   double marker_rms = std::numeric_limits<double>::quiet_NaN();  // of all [m]
   double static_rms = std::numeric_limits<double>::quiet_NaN();  // of the trial scaled by [m]
   double filled = 0.0;  // share of the tracked samples that were filled in
+  double fallen = 0.0;  // share of the frames in which a person's feet are not below the pelvis
   std::vector<MarkerEvidence> markers;
   std::vector<CoordinateEvidence> coordinates;
 };
 
 /// Codes: `unconverged`, `marker-rms`, `marker-max`, `lost-marker`, `unmeasured-frames`,
-/// `on-bound`, `static-rms`, `side-rms`, `side-range`, `filled-share`. What holds
-/// for all coordinates names all that `kinematics` has. O(markers + coordinates).
+/// `on-bound`, `static-rms`, `side-rms`, `side-range`, `filled-share`, `not-upright`. What
+/// holds for all coordinates names all that `kinematics` has. O(markers + coordinates).
 std::vector<VerdictReason> judge_kinematics(const KinematicsEvidence& kinematics);
 
 }  // namespace sinew

@@ -33,6 +33,7 @@ constexpr double kSideRangeRatio = 3.0;
 constexpr double kOnBound = 0.1, kWorstOnBound = 0.5;
 constexpr double kUnmeasured = 0.0, kWorstUnmeasured = 0.5;
 constexpr double kFilled = 0.1;  // of the tracked samples
+constexpr double kFallen = 0.5;  // feet more than 60 degrees from below the pelvis
 
 // What is left at the root, over the largest ground force, and over height times that.
 constexpr double kResidualForce = 0.05, kResidualMoment = 0.01;  // Hicks

@@ -213,6 +213,23 @@ TEST_F(LabRun, OptionsPutARecordingRight) {
             "list of texts, found 7. Correct the value.");
 }
 
+// A turned recording is met as well as any: only where the feet are tells.
+TEST_F(LabRun, FeetAboveThePelvisAreRemarkedOn) {
+  MarkerTrajectories markers = read_trc(path() / "walk.trc").markers;
+  for (int m = 0; m < markers.marker_count(); ++m) {
+    markers.p_WM.middleCols(3 * m + 1, 2) *= -1.0;  // half a turn about x
+  }
+  write_trc(path() / "upside.trc", markers);
+  for (const char* name : {"walk", "upside"}) {
+    const Outcome outcome =
+        run_sinew(path(), {"ik", "--model", "model.osim", "--markers", std::string(name) + ".trc",
+                           "--from", "0.5", "--to", "0.6", "--out", std::string(name) + "_q.mot"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string verdict = content_of(path() / (std::string(name) + "_q_verdict.json"));
+    EXPECT_EQ(holds(verdict, "not-upright"), name == std::string("upside")) << verdict;
+  }
+}
+
 // Names exchanged all the time, which a fit hides, and for longer than a spike.
 TEST_F(LabRun, ExchangedNamesAreReasonsOfTheVerdict) {
   MarkerTrajectories markers = read_trc(path() / "walk.trc").markers, moment = markers;

@@ -89,6 +89,8 @@ TEST(JudgeKinematics, CountsFrames) {
   expect_reason(reasons, "unconverged", Weight::kUnusable, 1.0, 0.0, "%");
   expect_reason(reasons, "unmeasured-frames", Weight::kRemark, 10.0, 0.0, "%");
   expect_reason(reasons, "filled-share", Weight::kRemark, 20.0, 10.0, "%");
+  k.fallen = 0.6;
+  expect_reason(judge_kinematics(k), "not-upright", Weight::kRemark, 60.0, 50.0, "% of the frames");
   k.unmeasured = 51;
   EXPECT_EQ(find(judge_kinematics(k), "unmeasured-frames")->weight, Weight::kUnusable);
 }
