@@ -30,7 +30,7 @@ std::optional<Times> parse_times(const std::string& text) {
     if (text[at] != '-' || !behind_number) continue;
     const auto from = text::parse_number(text.substr(0, at));
     const auto to = text::parse_number(text.substr(at + 1));
-    if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to) || *from > *to) continue;
+    if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) continue;
     return Times{*from, *to};
   }
   return std::nullopt;
@@ -41,11 +41,13 @@ struct Timed {
   std::optional<double> from, to;
 };
 
+// Without a text where the times end before they begin.
 Timed split_times(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == text.npos) return {text, {}, {}};
   const std::optional<Times> times = parse_times(text.substr(at + 1));
   if (!times) return {text, {}, {}};
+  if (times->from > times->to) return {};
   return {text.substr(0, at), times->from, times->to};
 }
 

@@ -54,11 +54,11 @@ RecordingEdits EditOptions::edits() const {
   edits.unit = unit;
   edits.swap_sides = swap_sides;
   edits.shift_forces = shift_forces;
-  edits.swaps = parse_all(swaps, "--swap", "A,B or A,B@FROM-TO", parse_swap);
-  edits.drops = parse_all(drops, "--drop", "NAME or NAME@FROM-TO", parse_drop);
+  edits.swaps = parse_all(swaps, "--swap", "A,B or A,B@FROM-TO with FROM before TO", parse_swap);
+  edits.drops = parse_all(drops, "--drop", "NAME or NAME@FROM-TO with FROM before TO", parse_drop);
   edits.renames = parse_all(renames, "--rename", "OLD=NEW", parse_rename);
-  edits.samples =
-      parse_all(samples, "--drop-samples", "NAME@FROM-TO, in seconds", parse_sample_drop);
+  edits.samples = parse_all(samples, "--drop-samples",
+                            "NAME@FROM-TO, in seconds, with FROM before TO", parse_sample_drop);
   edits.unloaded =
       parse_all(unloaded, "--zero-plates", "FROM-TO or PLATE@FROM-TO, in seconds", parse_unloaded);
   return edits;

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "data/conditioning.h"
+#include "data/finding.h"
 #include "data/text.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
@@ -77,6 +79,25 @@ void PrepareOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
+namespace {
+
+// `: A 0.1 s to 0.3 s, B 2 s to 2.2 s and 3 others`, the longest first; of markers that are never
+// measured others tell.
+std::string list_of(const MarkerTrajectories& markers, std::vector<MarkerGap> gaps) {
+  std::erase_if(gaps, [&](const MarkerGap& gap) { return gap.count == markers.frame_count(); });
+  std::stable_sort(gaps.begin(), gaps.end(),
+                   [](const MarkerGap& a, const MarkerGap& b) { return a.count > b.count; });
+  std::vector<std::string> texts;
+  for (const MarkerGap& gap : gaps) {
+    texts.push_back(fmt::format(
+        "{} {} s to {} s", markers.names[static_cast<std::size_t>(gap.marker)],
+        time_text(markers.time[gap.first]), time_text(markers.time[gap.first + gap.count - 1])));
+  }
+  return texts.empty() ? "" : ": " + list_names(texts, 4);
+}
+
+}  // namespace
+
 GapFillResult prepare_markers(MarkerTrajectories& markers, const std::string& path,
                               const PrepareOptions& options, std::vector<Warning>& warnings) {
   GapFillResult filled;
@@ -90,9 +111,11 @@ GapFillResult prepare_markers(MarkerTrajectories& markers, const std::string& pa
     for (const FilledGap& gap : filled.filled) samples += gap.gap.count;
     for (const MarkerGap& gap : filled.left) left += gap.count;
     if (!filled.filled.empty() || !filled.left.empty()) {
-      report(warnings, {{{path},
-                         fmt::format("{} gaps of {} marker samples were filled; {} gaps of {} stay",
-                                     filled.filled.size(), samples, filled.left.size(), left)}});
+      report(warnings,
+             {{{path},
+               fmt::format("{} gaps of {} marker samples were filled; {} gaps of {} stay{}",
+                           filled.filled.size(), samples, filled.left.size(), left,
+                           list_of(markers, filled.left))}});
     }
   }
   if (options.marker_cutoff) {

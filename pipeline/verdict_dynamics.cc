@@ -44,6 +44,12 @@ void judge_coverage(const DynamicsEvidence& d, std::vector<VerdictReason>& reaso
   if (d.known == 0) {
     r->weight = Weight::kUnusable;
     r->torques = d.supporting;
+    r->text = d.by_platforms
+                  ? "in no frame all ground forces are known"
+                  : "the loads carry the body (more than half of its weight) in no frame";
+    r->remedy = d.by_platforms ? "load_coverage.csv says why; --assign says which foot stands where"
+                               : kCheckLoads;
+    return;
   }
   for (const FootEvidence& foot : d.feet) {
     if (foot.complete == 0)

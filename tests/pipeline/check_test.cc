@@ -112,7 +112,9 @@ TEST_F(Check, EditsThatDoNotFitAreRefusedAndWriteNothing) {
     EXPECT_EQ(error_line(outcome, folder_.path()), message);
     EXPECT_EQ(tree_of(folder_.path()), before);
   };
-  refused("walk.trc", {"--swap", "T1"}, "--swap: T1 is not A,B or A,B@FROM-TO");
+  refused("walk.trc", {"--swap", "T1"}, "--swap: T1 is not A,B or A,B@FROM-TO with FROM before TO");
+  refused("walk.trc", {"--drop", "T1@2-1"},
+          "--drop: T1@2-1 is not NAME or NAME@FROM-TO with FROM before TO");
   refused("walk.trc", {"--rename", "T1"}, "--rename: T1 is not OLD=NEW");
   refused("walk.trc", {"--zero-plates", "1"},
           "--zero-plates: 1 is not FROM-TO or PLATE@FROM-TO, in seconds");
