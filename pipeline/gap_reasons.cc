@@ -143,14 +143,16 @@ void add_undetermined(const MusculoskeletalModel& model, const MarkerTrajectorie
 
 }  // namespace
 
-std::vector<VerdictReason> gap_reasons(const MusculoskeletalModel& model,
-                                       const TrackingProblem& tracking,
-                                       const MarkerTrajectories& markers, int first, int end,
-                                       const std::vector<UndeterminedStretch>& stretches,
-                                       int reach) {
+std::vector<VerdictReason> gap_reasons(
+    const MusculoskeletalModel& model, const TrackingProblem& tracking,
+    const MarkerTrajectories& markers, int first, int end,
+    const std::vector<UndeterminedStretch>& stretches, int reach,
+    const std::function<std::string(const std::string&)>& shown) {
   std::vector<VerdictReason> reasons;
   if (end <= first) return reasons;
-  add_shares(missing_of(tracking, markers, first, end), end - first, markers.rate, reasons);
+  std::vector<Missing> missing = missing_of(tracking, markers, first, end);
+  for (Missing& each : missing) each.name = shown(each.name);
+  add_shares(missing, end - first, markers.rate, reasons);
   add_undetermined(model, markers, first, end, stretches, reach, reasons);
   return reasons;
 }

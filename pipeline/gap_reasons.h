@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "data/marker_trajectories.h"
@@ -19,10 +21,12 @@ namespace sinew {
 ///   be used at all, and nothing can if one of them moves the whole body. And markers that are
 ///   measured in fewer frames than a tenth of a second has, which say nothing. Times are `reach`
 ///   frames longer on both sides, as far as filters carry what is filled in.
+///
+/// `shown`: what a marker of the model is called before its user.
 std::vector<VerdictReason> gap_reasons(const MusculoskeletalModel& model,
                                        const TrackingProblem& tracking,
                                        const MarkerTrajectories& markers, int first, int end,
-                                       const std::vector<UndeterminedStretch>& stretches,
-                                       int reach);
+                                       const std::vector<UndeterminedStretch>& stretches, int reach,
+                                       const std::function<std::string(const std::string&)>& shown);
 
 }  // namespace sinew

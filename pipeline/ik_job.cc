@@ -49,8 +49,9 @@ void bridge_gaps(IkJob& job, TrackingResult& result) {
   const int first = job.options.first_frame;
   const std::vector<UndeterminedStretch>& stretches = job.stretches = find_undetermined_stretches(
       job.model, job.tree, job.tracking, markers, first, result.coordinates);
-  job.reasons = gap_reasons(job.model, job.tracking, markers, first, job.options.end_frame,
-                            stretches, job.reach);
+  job.reasons = gap_reasons(
+      job.model, job.tracking, markers, first, job.options.end_frame, stretches, job.reach,
+      [&](const std::string& name) { return shown_marker(job.recorded_names, name); });
   if (stretches.empty()) return;
   const double seconds = result.seconds;
   const TrackingProblem bridged =
@@ -61,6 +62,13 @@ void bridge_gaps(IkJob& job, TrackingResult& result) {
 }
 
 }  // namespace
+
+std::string shown_marker(const std::map<std::string, std::string>& recorded_names,
+                         const std::string& name) {
+  const auto found = recorded_names.find(name);
+  return found == recorded_names.end() ? name
+                                       : fmt::format("{} (the model's {})", found->second, name);
+}
 
 InputFiles input_files(const IkInputs& inputs) {
   return {{"model", inputs.model_file},
@@ -102,6 +110,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
   job.options.cold_start.starts = inputs.starts;
   job.options.minimizer.record_iterations = inputs.record_iterations;
   job.options.threads = inputs.threads;
+  job.recorded_names = inputs.recorded_names;
   job.reach = static_cast<int>(std::ceil(inputs.reach * job.recording.markers.rate));
   return job;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,7 +45,9 @@ struct IkInputs {
   std::filesystem::path filled_file;     // which samples were filled in; may be empty
   double filled_weight = kFilledWeight;  // of these, where nothing tells how well
   bool leave_out_spikes = true;          // of markers (data/marker_spikes.h)
-  double reach = 0.0;                    // as far as filters carry what is filled into a gap [s]
+  // What markers of the model are called in the recording, where that is something else.
+  std::map<std::string, std::string> recorded_names;
+  double reach = 0.0;  // as far as filters carry what is filled into a gap [s]
   int threads = 0;
   bool record_iterations = false;  // for a trace
 };
@@ -56,12 +59,17 @@ struct IkJob {
   MarkerFile recording;
   TrackingProblem tracking;
   TrackingOptions options;
-  int reach = 0;                  // IkInputs' in frames
-  std::vector<Warning> warnings;  // of reading and binding
+  int reach = 0;                                      // IkInputs' in frames
+  std::map<std::string, std::string> recorded_names;  // IkInputs'
+  std::vector<Warning> warnings;                      // of reading and binding
   // Complete after solve_ik():
   std::vector<UndeterminedStretch> stretches;
   std::vector<VerdictReason> reasons;  // of gaps
 };
+
+/// A marker of the model as its user knows it: `LKNE (the model's LLFC)`.
+std::string shown_marker(const std::map<std::string, std::string>& recorded_names,
+                         const std::string& name);
 
 /// The files among the inputs, for check_output and summary.json.
 InputFiles input_files(const IkInputs& inputs);

@@ -111,6 +111,7 @@ struct RunCommand {
     if (ik.model.empty() && ik.markers.empty()) use_example();
     IkInputs inputs = ik.inputs();
     inputs.name_unmatched = !lab_job;  // or else they were named before
+    inputs.recorded_names = recorded_names(log);
     inputs.reach = filter_reach(dynamics.cutoff.value_or(kDefaultCutoff));
     if (lab_job) inputs.reach = std::max(inputs.reach, filter_reach(lab_job->marker_cutoff));
     ik.require_files(inputs);
@@ -174,6 +175,19 @@ struct RunCommand {
     }
     fmt::print("{}", run_digest({summary, evidence, verdict, id_job.options.cutoff, out}));
     return exit_code(verdict, accept);
+  }
+
+  // Of the model's markers that a laboratory calls otherwise, without its subject.
+  static std::map<std::string, std::string> recorded_names(const DecisionLog& log) {
+    std::map<std::string, std::string> names;
+    for (const Decision& decision : log.decisions()) {
+      if (decision.name != "markers" || !decision.value.is_object()) continue;
+      for (const auto& [recorded, model] : decision.value.items()) {
+        const std::string bare = recorded.substr(recorded.rfind(':') + 1);
+        if (model.is_string() && model != bare) names[model.get<std::string>()] = bare;
+      }
+    }
+    return names;
   }
 
   static VerdictEvidence gather(const IkJob& job, const TrackingResult& solved,

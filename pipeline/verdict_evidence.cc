@@ -59,8 +59,9 @@ std::vector<MarkerEvidence> marker_evidence(const IkJob& job, const TrackingResu
         job.model.markers[static_cast<std::size_t>(job.tracking.markers[m].model)].body;
     // What weighs nothing is shown, not fitted.
     if (!(errors[m].weight > 0.0)) continue;
-    markers.push_back({errors[m].name, errors[m].measured, errors[m].rms, errors[m].max,
-                       side_of_body(job.model, body), angles_of_body(job.model, body)});
+    markers.push_back({shown_marker(job.recorded_names, errors[m].name), errors[m].measured,
+                       errors[m].rms, errors[m].max, side_of_body(job.model, body),
+                       angles_of_body(job.model, body)});
   }
   return markers;
 }

@@ -53,6 +53,14 @@ class LabRun : public ::testing::Test {
 
 LabTrialFiles* LabRun::trial_ = nullptr;
 
+// Measured in three frames from the sixtieth on, and in no other.
+void hide_but_three(MarkerTrajectories& markers, int marker) {
+  for (int f = 0; f < markers.frame_count(); ++f) {
+    if (f >= 60 && f < 63) continue;
+    markers.p_WM.block<1, 3>(f, 3 * marker).setConstant(std::nan(""));
+  }
+}
+
 bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
@@ -416,6 +424,13 @@ TEST_F(LabRun, ForeignNamesFindTheirMarkers) {
   EXPECT_TRUE(holds(outcome.err,
                     "has no force platform that can be used: torques lack whatever "
                     "the ground does"));
+  // Markers are spoken of as the user knows them.
+  hide_but_three(markers, markers.find_marker("Anna:Shoe tip"));
+  write_trc(path() / "hidden.trc", markers);
+  const Outcome hidden = run({"--c3d", "hidden.trc", "--model", "model.osim", "--no-scale", "--map",
+                              "map.csv", "--from", "0.5", "--to", "0.8", "--out", "h"});
+  EXPECT_TRUE(holds(content_of(path() / "h/verdict.json"), "Shoe tip (the model's RTOE) (3 of 31"))
+      << content_of(path() / "h/verdict.json");
 }
 
 TEST_F(LabRun, FilledSamplesAreListedAndWeighLess) {
