@@ -11,13 +11,12 @@ namespace {
 
 // Two that jump at once, each to where the other was about to be, are hardly ever anything else.
 constexpr double kCertain = 0.95, kCertainOfJumps = 0.8;
-constexpr double kMostExchanged = 0.25;
 
 VerdictReason make(const Finding& finding, double share, const std::string& static_trial) {
   VerdictReason reason;
   reason.code = "exchanged-markers";
-  reason.weight =
-      share > kMostExchanged ? VerdictReason::Weight::kUnusable : VerdictReason::Weight::kRemark;
+  // Sizes are fitted to these samples too, so that a few spoil every frame.
+  reason.weight = VerdictReason::Weight::kUnusable;
   std::string place = finding.where;
   if (!static_trial.empty() && finding.file == static_trial) {
     place += place.empty() ? "in the static trial" : " in the static trial";
@@ -27,7 +26,7 @@ VerdictReason make(const Finding& finding, double share, const std::string& stat
   }
   reason.text = fmt::format("{}{}{}", place, place.empty() ? "" : ": ", finding.text);
   reason.figure = 100.0 * share;
-  reason.limit = 100.0 * kMostExchanged;
+  reason.limit = 0.0;
   reason.unit = "% of the record";
   reason.source = "Sinew";
   reason.remedy = run_remedy(finding, static_trial);

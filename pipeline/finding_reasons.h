@@ -15,8 +15,8 @@ namespace sinew {
 std::string run_remedy(const Finding& finding, const std::string& static_trial);
 
 /// Code `exchanged-markers`: markers that certainly bear each other's names (confidence from 0.95
-/// on, from 0.8 on where both jump), which the solved pose hides. Not usable where that is for more
-/// than a quarter of the record from `begin` to `end` [s], a remark where it is shorter. Other
+/// on, from 0.8 on where both jump), which the solved pose hides. Not usable, however short of
+/// the record from `begin` to `end` [s] it is: sizes are fitted to these samples, too. Other
 /// findings, and those of less confidence, give none. O(findings).
 std::vector<VerdictReason> finding_reasons(const std::vector<Finding>& findings, double begin,
                                            double end, const std::string& static_trial);

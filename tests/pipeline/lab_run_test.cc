@@ -269,9 +269,9 @@ TEST_F(LabRun, ExchangedNamesAreReasonsOfTheVerdict) {
   EXPECT_EQ(all["weight"], "unusable");
   EXPECT_EQ(all["remedy"], "--swap LKNE,RKNE");
   EXPECT_TRUE(reason({"--c3d", "exchanged.trc", "--swap", "LKNE,RKNE"}, "back", 0).is_null());
-  const Json some = reason({"--c3d", "moment.trc"}, "moment", 0);
+  const Json some = reason({"--c3d", "moment.trc"}, "moment", 1);
   ASSERT_FALSE(some.is_null());
-  EXPECT_EQ(some["weight"], "remark");
+  EXPECT_EQ(some["weight"], "unusable");
   EXPECT_EQ(some["remedy"], "--swap RKNE,LKNE@0.6-0.85");
 }
 
