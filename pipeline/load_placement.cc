@@ -8,6 +8,7 @@
 #include "data/statistics.h"
 #include "model/kinematic_tree.h"
 #include "model/limb_paths.h"
+#include "model/segment_words.h"
 #include "model/tree_pose.h"
 #include "pipeline/verdict_reasons.h"
 
@@ -18,7 +19,8 @@ using Eigen::Vector3d;
 
 constexpr double kLoaded = 0.1;   // of the weight; below it points are noise
 constexpr double kNearer = 0.05;  // [m] feet side by side are farther apart
-constexpr double kMostNearer = 0.5;
+// A step on the wrong foot is a part of all.
+constexpr double kMostNearer = 0.1;
 // A foot is 0.1 m wide and its body's points lie along its middle; published trials stay below it.
 // The whole weight 0.4 m beside the foot is a moment larger than any ankle's.
 constexpr double kBeside = 0.15, kFarBeside = 0.4;  // [m]
@@ -48,15 +50,35 @@ std::vector<BodyPoint> points_of(const MusculoskeletalModel& model, int body) {
   return points;
 }
 
-double distance_from_above(const KinematicWorkspace& ws, const std::vector<BodyPoint>& points,
-                           const Vector3d& p, const Vector3d& up) {
+double distance_to(const KinematicWorkspace& ws, const std::vector<BodyPoint>& points,
+                   const Vector3d& p) {
   double nearest = kNaN;
   for (const BodyPoint& point : points) {
-    Vector3d d = ws.X_WB[static_cast<std::size_t>(point.body)] * point.p_B - p;
-    d -= up * up.dot(d);
+    const Vector3d d = ws.X_WB[static_cast<std::size_t>(point.body)] * point.p_B - p;
     nearest = std::fmin(nearest, d.norm());
   }
   return nearest;
+}
+
+// Coordinates of the joints that the body carries, up to the foot below it; none if it is a foot,
+// a hand, or of a name that tells nothing.
+std::vector<std::string> skipped_by(const MusculoskeletalModel& model, int body) {
+  const Segment segment = segment_of_body(model.bodies[static_cast<std::size_t>(body)].name);
+  std::vector<bool> carried(model.bodies.size(), false);
+  carried[static_cast<std::size_t>(body)] = true;
+  std::vector<std::string> names;
+  bool foot = false;
+  for (std::size_t b = static_cast<std::size_t>(body) + 1; b < carried.size(); ++b) {
+    const Joint& joint = model.joints[b - 1];
+    carried[b] = carried[static_cast<std::size_t>(joint.parent)];
+    if (!carried[b]) continue;
+    foot = foot || segment_of_body(model.bodies[b].name).part == "foot";
+    for (const int c : joint.coordinates) {
+      names.push_back(model.coordinates[static_cast<std::size_t>(c)].name);
+    }
+  }
+  const bool above = segment.known && segment.part != "foot" && foot;
+  return above ? names : std::vector<std::string>();
 }
 
 }  // namespace
@@ -66,7 +88,6 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
                                            const ExternalLoads& loads) {
   const KinematicTree tree = compile_tree(model);
   KinematicWorkspace ws(tree);
-  const Vector3d up = up_of(model);
   const double least = kLoaded * model.total_mass() * model.gravity.norm();
   struct Load {
     int index;
@@ -76,13 +97,15 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
     int nearer = 0;
   };
   std::vector<Load> all;
+  if (!stands_for_a_person(model)) return {};
   for (int i = 0; i < loads.size() && time.size() > 0; ++i) {
     const int body = loads.sample(i, time[0]).body;
     const int other = body > 0 ? partner_body(model, body) : -1;
-    if (other < 0 || !loads.has_point(i)) continue;
-    Load load{i, {}, points_of(model, body), points_of(model, other), {}, {}, 0};
+    if (body <= 0 || !loads.has_point(i)) continue;
+    Load load{i, {}, points_of(model, body), {}, {}, {}, 0};
     load.placement.body = body;
     load.placement.other = other;
+    if (other >= 0) load.others = points_of(model, other);
     all.push_back(std::move(load));
   }
   if (all.empty()) return {};
@@ -92,8 +115,8 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
       const ExternalLoads::Sample sample = loads.sample(load.index, time[f]);
       if (!(sample.force.norm() > least)) continue;
       const Vector3d p = ws.X_WB[static_cast<std::size_t>(sample.point_frame)] * sample.point;
-      load.distances.push_back(distance_from_above(ws, load.own, p, up));
-      load.to_other.push_back(distance_from_above(ws, load.others, p, up));
+      load.distances.push_back(distance_to(ws, load.own, p));
+      load.to_other.push_back(distance_to(ws, load.others, p));
       load.nearer += load.to_other.back() + kNearer < load.distances.back();
     }
   }
@@ -117,6 +140,15 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
   const auto name = [&](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
   for (const LoadPlacement& p : placements) {
     if (p.frames == 0) continue;
+    if (std::vector<std::string> skipped = skipped_by(model, p.body); !skipped.empty()) {
+      VerdictReason r;
+      r.code = "loads-not-on-foot";
+      r.text = fmt::format("a force of the ground acts on {}, which is no foot", name(p.body));
+      r.source = "Sinew";
+      r.remedy = "apply it to the foot (calcn), or the joints below carry nothing";
+      r.torques = std::move(skipped);
+      reasons.push_back(std::move(r));
+    }
     if (auto* r = judge_figure(reasons, {p.nearer_other, kMostNearer, kMostNearer}, 100.0,
                                "% of its frames", "loads-of-other-foot", "Sinew")) {
       r->text = fmt::format(
@@ -124,14 +156,14 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
           "other",
           name(p.body), name(p.other), p.distance, p.to_other);
       r->remedy =
-          "exchange the bodies that the forces are applied to, or look whether left and right "
+          "--assign, or exchange the bodies that the forces are applied to; or are left and right "
           "markers are exchanged";
       r->torques = supporting;
       continue;
     }
     if (auto* r = judge_figure(reasons, {p.distance, kBeside, kFarBeside}, 1e3, "mm",
                                "loads-beside-foot", "Sinew")) {
-      r->text = fmt::format("the force on {} acts beside it, seen from above", name(p.body));
+      r->text = fmt::format("the force on {} acts away from it", name(p.body));
       r->remedy =
           "look at axes, origin and unit of the centres of pressure: `sinew check LOADS.mot "
           "RECORDING`";

@@ -86,5 +86,36 @@ TEST_F(LoadPlacementOfWalk, TellsHowFarBesideTheFootForcesAct) {
   EXPECT_NEAR(far["figure"].get<double>(), 1000.0, 80.0);  // half of a foot's width
 }
 
+TEST_F(LoadPlacementOfWalk, TellsForcesOnLegs) {
+  for (const auto& [body, exit_code] :
+       {std::pair{"tibia_r", 0}, std::pair{"femur_r", 0}, std::pair{"pelvis", 0}}) {
+    std::string setup = content_of(trial_->path() / "grf.xml");
+    setup.replace(setup.find("calcn_r"), 7, body);
+    trial_->write("leg.xml", setup);
+    const Json verdict = judged("leg.xml", exit_code);
+    ASSERT_FALSE(reason(verdict, "loads-not-on-foot").is_null()) << verdict;
+    EXPECT_EQ(verdict["joints"]["foot_r"]["torques"], "unusable") << verdict;
+  }
+}
+
+// One of the steps of a foot is given to the other.
+TEST_F(LoadPlacementOfWalk, TellsASingleStepOfTheOtherFoot) {
+  TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+  const auto column = [&](const char* name) { return loads.find_column(name); };
+  const int right = column("ground_force_r_vx"), left = column("ground_force_l_vx");
+  ASSERT_TRUE(right >= 0 && left >= 0);
+  for (Eigen::Index f = 0; f < loads.time.size(); ++f) {
+    if (loads.time[f] > 0.9) continue;
+    const Eigen::RowVectorXd step = loads.values.block<1, 9>(f, right);
+    loads.values.block<1, 9>(f, right) = loads.values.block<1, 9>(f, left);
+    loads.values.block<1, 9>(f, left) = step;
+  }
+  write_storage(trial_->path() / "step.mot", loads);
+  std::string setup = content_of(trial_->path() / "grf.xml");
+  setup.replace(setup.find("grf.mot"), 7, "step.mot");
+  trial_->write("step.xml", setup);
+  EXPECT_FALSE(reason(judged("step.xml", 1), "loads-of-other-foot").is_null());
+}
+
 }  // namespace
 }  // namespace sinew
