@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "data/input_file.h"
 #include "data/setup_fields.h"
@@ -110,9 +111,44 @@ std::vector<std::string> DecisionLog::settle_texts(Decision decision) {
 }
 
 double DecisionLog::settle_number(Decision decision, bool by_default) {
-  const Json value = settle(std::move(decision), by_default);
-  if (!value.is_number()) wrong_type(decisions_.back(), "a number");
-  return value.get<double>();
+  return number_in_range(settle(std::move(decision), by_default));
+}
+
+std::optional<double> DecisionLog::settle_number_or_none(Decision decision) {
+  const Json value = settle(std::move(decision));
+  if (value.is_null()) return {};
+  return number_in_range(value);
+}
+
+double DecisionLog::number_in_range(const Json& value) const {
+  using Range = Decision::Range;
+  const Decision& decision = decisions_.back();
+  if (!value.is_number()) wrong_type(decision, "a number");
+  const double number = value.get<double>();
+  const auto require = [&](bool fine, const char* expected) {
+    if (fine && std::isfinite(number)) return;
+    throw InputError({path_.empty() ? decision.option : path_},
+                     {fmt::format("the value of decision '{}' is out of its range", decision.name),
+                      expected, value.dump(), "Correct the value."});
+  };
+  switch (decision.range) {
+    case Range::kAny:
+      require(true, "a finite number");
+      break;
+    case Range::kAboveZero:
+      require(number > 0.0, "a number above 0");
+      break;
+    case Range::kZeroOrMore:
+      require(number >= 0.0, "0 or more");
+      break;
+    case Range::kShare:
+      require(number >= 0.0 && number <= 1.0, "a number from 0 to 1");
+      break;
+    case Range::kCutoff:
+      require(number != 0.0, "a frequency above 0 Hz, or a negative number for no filter");
+      break;
+  }
+  return number;
 }
 
 bool DecisionLog::settle_flag(Decision decision, bool by_default) {

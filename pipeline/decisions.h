@@ -19,6 +19,9 @@ struct Decision {
   std::optional<double> confidence;  // 0 to 1; none where nothing is guessed
   std::string by;                    // "recording", "default", "option" or "decisions.json"
   std::string option;                // "--up"
+  // What a number may be, whatever an edited file says.
+  enum class Range { kAny, kAboveZero, kZeroOrMore, kShare, kCutoff };
+  Range range = Range::kAny;
 };
 
 /// All decisions of a run, in order: each is printed as it falls, and all are written to
@@ -42,10 +45,13 @@ class DecisionLog {
   /// any of these is returned as null. `by_default`: `found` is no finding but a default.
   nlohmann::ordered_json settle(Decision decision, bool by_default = false);
 
-  /// The same with types; a value of another type in decisions.json is an InputError naming it.
+  /// The same with types; a value of another type in decisions.json, and a number out of the
+  /// decision's range, is an InputError naming it.
   std::string settle_text(Decision decision, bool by_default = false);
   std::vector<std::string> settle_texts(Decision decision);
   double settle_number(Decision decision, bool by_default = false);
+  /// The same, or nothing where the value is null.
+  std::optional<double> settle_number_or_none(Decision decision);
   bool settle_flag(Decision decision, bool by_default = false);
 
   const std::vector<Decision>& decisions() const { return decisions_; }
@@ -59,6 +65,7 @@ class DecisionLog {
   std::vector<Warning> changed_inputs() const;
 
  private:
+  double number_in_range(const nlohmann::ordered_json& value) const;  // of the last decision
   [[noreturn]] void wrong_type(const Decision& decision, const char* expected) const;
 
   std::string path_;

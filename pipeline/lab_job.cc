@@ -62,8 +62,15 @@ class Preparation {
 
   LabJob prepare() {
     gather_inputs();
-    threshold_ = log_.settle_number(
-        {"threshold", {}, kThreshold, "[N] what laboratories use", {}, "", "--threshold"}, true);
+    threshold_ = log_.settle_number({"threshold",
+                                     {},
+                                     kThreshold,
+                                     "[N] what laboratories use",
+                                     {},
+                                     "",
+                                     "--threshold",
+                                     Decision::Range::kZeroOrMore},
+                                    true);
     LabTrial walk = read_lab_recording(options_.c3d, "", threshold_, nullptr, log_, warnings_);
     entered_ = subject_parameters(walk.file);
     const GenericModel generic = generic_model(job_.ik.model, entered_, options_, folder_, log_);
@@ -198,7 +205,8 @@ class Preparation {
          "more",
          {},
          "",
-         "--filled-weight"},
+         "--filled-weight",
+         Decision::Range::kShare},
         true);
     if (job_.ik.tasks.empty()) {
       const LabTasks tasks = lab_tasks(markers, model_, job_.ik.threads, log_);
@@ -217,7 +225,8 @@ class Preparation {
                             "weights run smoothly into gaps",
                             {},
                             "",
-                            "--cutoff"});
+                            "--cutoff",
+                            Decision::Range::kCutoff});
   }
 
   void assign_loads(LabTrial& walk, const MarkerTrajectories& markers) {

@@ -76,8 +76,14 @@ FootAssignment settle_contacts(std::vector<ForcePlatformRecording>& plates,
                                const MarkerTrajectories& markers, const std::string& path,
                                const MusculoskeletalModel& model, double threshold,
                                double marker_cutoff, const LabOptions& options, DecisionLog& log) {
-  const double cutoff = log.settle_number(
-      {"force cutoff", {}, marker_cutoff, "[Hz] as the markers'", {}, "", "--force-cutoff"});
+  const double cutoff = log.settle_number({"force cutoff",
+                                           {},
+                                           marker_cutoff,
+                                           "[Hz] as the markers'",
+                                           {},
+                                           "",
+                                           "--force-cutoff",
+                                           Decision::Range::kCutoff});
   PrepareOptions prepare;
   prepare.threshold = threshold;
   if (cutoff > 0.0) prepare.force_cutoff = cutoff;

@@ -42,7 +42,7 @@ std::string quality(const AutoScaleResult& fit) {
 
 Decision mass_decision(const std::vector<ForcePlatformRecording>& standing_plates,
                        const SubjectParameters& entered, const LabOptions& options) {
-  Decision decision{"mass", {}, {}, "", {}, "", "--mass"};
+  Decision decision{"mass", {}, {}, "", {}, "", "--mass", Decision::Range::kAboveZero};
   if (!options.scale_setup.empty()) {
     const std::optional<double> mass = read_scale_setup(options.scale_setup).mass;
     if (mass) decision.found = *mass;
@@ -153,7 +153,8 @@ std::filesystem::path marker_set_file(const LabOptions& options) {
 
 WholeBodyOptions settle_body(WholeBodyOptions body, const SubjectParameters& entered,
                              const LabOptions& options, DecisionLog& log) {
-  Decision height{"height", {}, body.height, "[m] the built-in body's own", {}, "", "--height"};
+  Decision height{"height", {}, body.height, "[m] the built-in body's own",
+                  {},       "", "--height",  Decision::Range::kAboveZero};
   if (entered.height) {
     height.found = *entered.height;
     height.why = "[m] PROCESSING:HEIGHT of the trial";
@@ -211,10 +212,8 @@ SettledModel settle_model(const GenericModel& generic, const MarkerFile& walk,
                           const SubjectParameters& entered, const LabOptions& options, int threads,
                           const std::filesystem::path& file, DecisionLog& log,
                           std::vector<Warning>& warnings) {
-  std::optional<double> mass;
-  const nlohmann::ordered_json settled =
-      log.settle(mass_decision(standing_plates, entered, options));
-  if (settled.is_number()) mass = settled.get<double>();
+  const std::optional<double> mass =
+      log.settle_number_or_none(mass_decision(standing_plates, entered, options));
   if (options.no_scale) log.say("scaling", "none", options.given_now.contains("--no-scale"));
   const std::string by =
       log.settle_text(scaling_decision(generic, standing != nullptr, options, mass.has_value()));

@@ -96,7 +96,8 @@ Decision matched_cutoff(const MarkerTrajectories& markers) {
                     fmt::format("{} at {:.2g} m/s", runs ? "running" : "walking", speed),
                     {},
                     "",
-                    "--marker-cutoff"};
+                    "--marker-cutoff",
+                    Decision::Range::kCutoff};
   if (cutoff >= 0.5 * markers.rate) {
     decision.found = -1;
     decision.why = fmt::format("{} Hz is not below half of the markers' {} Hz", cutoff,
@@ -111,8 +112,15 @@ GapFillResult fill_lab_markers(MarkerTrajectories& markers, const std::string& p
                                std::vector<Warning>& warnings) {
   PrepareOptions prepare;
   prepare.segments_from = model_file.string();
-  prepare.max_gap = log.settle_number(
-      {"max gap", {}, kMaxGap, "[s] by a spline, about ten frames", {}, "", "--max-gap"}, true);
+  prepare.max_gap = log.settle_number({"max gap",
+                                       {},
+                                       kMaxGap,
+                                       "[s] by a spline, about ten frames",
+                                       {},
+                                       "",
+                                       "--max-gap",
+                                       Decision::Range::kZeroOrMore},
+                                      true);
   prepare.fill_rigid =
       log.settle_flag({"fill rigid",
                        {},
@@ -291,7 +299,8 @@ LabTasks lab_tasks(const MarkerTrajectories& markers, const MusculoskeletalModel
                    free.size()),
        {},
        "",
-       "--posture-weight"},
+       "--posture-weight",
+       Decision::Range::kZeroOrMore},
       true);
   if (!(weight > 0.0)) return result;
   const auto marker_weights = static_cast<double>(tasks.size());  // 1 each

@@ -152,12 +152,12 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
     if (auto* r = judge_figure(reasons, {p.nearer_other, kMostNearer, kMostNearer}, 100.0,
                                "% of its frames", "loads-of-other-foot", "Sinew")) {
       r->text = fmt::format(
-          "the force on {} acts at {}: from above {:.2f} m from the one and {:.2f} m from the "
-          "other",
+          "the force on {} acts at {} in a part of its frames; in the middle of all it is {:.2f} m "
+          "from the one and {:.2f} m from the other",
           name(p.body), name(p.other), p.distance, p.to_other);
       r->remedy =
-          "--assign, or exchange the bodies that the forces are applied to; or are left and right "
-          "markers are exchanged";
+          "--assign says which foot stands where; of loads of your own exchange the bodies; or are "
+          "left and right markers exchanged?";
       r->torques = supporting;
       continue;
     }

@@ -505,6 +505,20 @@ TEST_F(LabRun, WrongUsageIsTold) {
                    "--out", "scaling"}),
             "scaling is 'sideways'; expected both, static, walk, setup, mass or none: correct "
             "--scale or the decision 'scaling'");
+  for (const auto& [decision, value, message] :
+       {std::tuple{"mass", "\"heavy\"", "is of the wrong kind; expected a number, found \"heavy\""},
+        std::tuple{"mass", "-5", "is out of its range; expected a number above 0, found -5"},
+        std::tuple{"marker cutoff", "0",
+                   "is out of its range; expected a frequency above 0 Hz, or a negative number for "
+                   "no filter, found 0"}}) {
+    trial_->write("edited.json", fmt::format(R"({{"version": 1, "inputs": {{}}, "options": {{}},
+"decisions": [{{"name": "{}", "value": {}, "found": 1, "by": "recording"}}]}})",
+                                             decision, value));
+    EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--no-scale", "--decisions",
+                     "edited.json", "--out", "edited"}),
+              fmt::format("edited.json: the value of decision '{}' {}. Correct the value.",
+                          decision, message));
+  }
   trial_->write("no.json", "{}");
   EXPECT_TRUE(error({"--decisions", "no.json"}).starts_with("no.json: is no file of decisions: "));
   EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--filled-weight", "2"}),
