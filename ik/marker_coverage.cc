@@ -52,18 +52,6 @@ bool moves(const MusculoskeletalModel& model, const KinematicTree& tree, int bod
   });
 }
 
-// A body that cannot move against the one that carries it belongs to that one's segment.
-std::vector<Segment> segments_of(const MusculoskeletalModel& model, const KinematicTree& tree) {
-  std::vector<Segment> segments(model.bodies.size());
-  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
-    const int parent = model.joints[b - 1].parent;
-    segments[b] = parent > 0 && !moves(model, tree, static_cast<int>(b))
-                      ? segments[static_cast<std::size_t>(parent)]
-                      : segment_of_body(model.bodies[b].name);
-  }
-  return segments;
-}
-
 std::string some_names(const MusculoskeletalModel& model, const std::vector<int>& coordinates) {
   constexpr std::size_t kShown = 6;
   std::string text;
@@ -85,6 +73,36 @@ VerdictReason reason_of(const MusculoskeletalModel& model, const std::vector<int
 }
 
 }  // namespace
+
+std::vector<Segment> segments_of(const MusculoskeletalModel& model, const KinematicTree& tree) {
+  std::vector<Segment> segments(model.bodies.size());
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    const int parent = model.joints[b - 1].parent;
+    segments[b] = parent > 0 && !moves(model, tree, static_cast<int>(b))
+                      ? segments[static_cast<std::size_t>(parent)]
+                      : segment_of_body(model.bodies[b].name);
+  }
+  return segments;
+}
+
+std::vector<int> coordinates_beside(const MusculoskeletalModel& model, const KinematicTree& tree,
+                                    const std::vector<Segment>& segments,
+                                    const std::vector<Segment>& bare) {
+  const auto is_bare = [&](int body) {
+    return body > 0 && std::find(bare.begin(), bare.end(),
+                                 segments[static_cast<std::size_t>(body)]) != bare.end();
+  };
+  std::vector<int> coordinates;
+  for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+    const int v = tree.v_of_coordinate[c];
+    const bool free = v >= 0 && (tree.unknown_of_v[static_cast<std::size_t>(v)] >= 0 ||
+                                 tree.coupling_of_v[static_cast<std::size_t>(v)] >= 0);
+    const Joint& joint = model.joints[static_cast<std::size_t>(model.coordinates[c].joint)];
+    if (!free || model.bodies[static_cast<std::size_t>(joint.child)].virtual_link) continue;
+    if (is_bare(joint.child) || is_bare(joint.parent)) coordinates.push_back(static_cast<int>(c));
+  }
+  return coordinates;
+}
 
 TrackingProblem markers_alone(const TrackingProblem& tracking) {
   TrackingProblem alone = tracking;
@@ -144,23 +162,7 @@ MarkerCoverage marker_coverage(const MusculoskeletalModel& model, const Kinemati
     }
     coverage.bare_segments.push_back(segment);
   }
-  // A joint between two segments turns by what markers on both tell. A chain of joints that has
-  // markers on its far end only may be closed by their fewer freedoms, but no measurement.
-  for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
-    const int v = tree.v_of_coordinate[c];
-    const bool free = v >= 0 && (tree.unknown_of_v[static_cast<std::size_t>(v)] >= 0 ||
-                                 tree.coupling_of_v[static_cast<std::size_t>(v)] >= 0);
-    if (!free || link_of(static_cast<int>(c))) continue;
-    const Joint& joint = model.joints[static_cast<std::size_t>(model.coordinates[c].joint)];
-    const auto bare = [&](int body) {
-      return body > 0 &&
-             std::find(coverage.bare_segments.begin(), coverage.bare_segments.end(),
-                       segments[static_cast<std::size_t>(body)]) != coverage.bare_segments.end();
-    };
-    if (bare(joint.child) || bare(joint.parent)) {
-      coverage.bare_coordinates.push_back(static_cast<int>(c));
-    }
-  }
+  coverage.bare_coordinates = coordinates_beside(model, tree, segments, coverage.bare_segments);
   return coverage;
 }
 

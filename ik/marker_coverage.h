@@ -9,6 +9,17 @@
 
 namespace sinew {
 
+/// The segment of each body. One that cannot move against the body that carries it belongs to that
+/// one's segment.
+std::vector<Segment> segments_of(const MusculoskeletalModel& model, const KinematicTree& tree);
+
+/// Coordinates that can move of the joints at both ends of segments without markers, ascending;
+/// those of virtual links not. A joint turns by what markers on both of its segments tell: a chain
+/// that has markers on its far end only is closed by its joints' few freedoms, not by measurement.
+std::vector<int> coordinates_beside(const MusculoskeletalModel& model, const KinematicTree& tree,
+                                    const std::vector<Segment>& segments,
+                                    const std::vector<Segment>& bare);
+
 /// What the tracked markers do not tell about a body, whatever tasks draw it somewhere.
 struct MarkerCoverage {
   // Coordinates that they leave open, dependent ones included, those of virtual links not.

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "ik/marker_coverage.h"
+
 namespace sinew {
 namespace {
 
@@ -58,6 +60,26 @@ std::set<int> never_determined(const MusculoskeletalModel& model, const Kinemati
   return {found.begin(), found.end()};
 }
 
+// Of segments that have a marker in other frames, those without one in a case.
+std::vector<Segment> bare_segments(const TrackingProblem& tracking,
+                                   const std::vector<Segment>& segments,
+                                   const std::vector<int>& markers_of) {
+  const auto segment_of = [&](std::size_t i) -> const Segment& {
+    return segments[static_cast<std::size_t>(tracking.problem.positions[i].link)];
+  };
+  std::vector<Segment> bare;
+  for (std::size_t i = 0; i < tracking.markers.size(); ++i) {
+    if (!(tracking.markers[i].weight > 0.0)) continue;
+    const Segment& segment = segment_of(i);
+    bool seen = std::find(bare.begin(), bare.end(), segment) != bare.end();
+    for (std::size_t b = 1; b < segments.size() && !seen; ++b) {
+      seen = segments[b] == segment && markers_of[b] > 0;
+    }
+    if (!seen) bare.push_back(segment);
+  }
+  return bare;
+}
+
 // The limited cubic over a stretch; value at s, 0 … 1, of frames before … behind.
 struct Bridge {
   double a, b, slope_a, slope_b;  // values, and slopes per stretch
@@ -89,6 +111,7 @@ std::vector<UndeterminedStretch> find_undetermined_stretches(
   IkTargets targets(tracking.problem);
   std::set<int> never;
   const int bodies = static_cast<int>(model.bodies.size());
+  const std::vector<Segment> segments = segments_of(model, tree);
   for (Eigen::Index row = 0; row < solved.rows(); ++row) {
     const int frame = first_frame + static_cast<int>(row);
     const std::vector<double> q = pose(tree, solved, row);
@@ -97,7 +120,11 @@ std::vector<UndeterminedStretch> find_undetermined_stretches(
     if (is_new) {
       set_targets(tracking, markers, frame, targets);
       const std::vector<int> found = undetermined_coordinates(model, tree, tracking, targets, q);
-      std::copy_if(found.begin(), found.end(), std::back_inserter(at->second),
+      std::set<int> open(found.begin(), found.end());
+      const std::vector<int> beside =
+          coordinates_beside(model, tree, segments, bare_segments(tracking, segments, at->first));
+      open.insert(beside.begin(), beside.end());
+      std::copy_if(open.begin(), open.end(), std::back_inserter(at->second),
                    [&](int c) { return !never.contains(c); });
     }
     if (at->second.empty()) continue;

@@ -7,7 +7,8 @@
 namespace sinew {
 
 /// Frames in which the markers that are seen leave coordinates undetermined that the markers of the
-/// whole recording determine.
+/// whole recording determine, or in which none is seen on a segment that has some: then those of
+/// the joints at its ends (coordinates_beside()).
 struct UndeterminedStretch {
   int first = 0, count = 0;      // frames of the recording
   std::vector<int> coordinates;  // indices into the model's, ascending
