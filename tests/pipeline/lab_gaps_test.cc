@@ -356,6 +356,33 @@ TEST_F(LabGaps, AFootOutOfSightIsNamed) {
   EXPECT_FALSE(holds(said, "ankle_angle_r")) << said;
 }
 
+// The shank tells where the thigh would be if every joint were what the model says; no marker does.
+TEST_F(LabGaps, AThighOutOfSightIsNamed) {
+  C3dFile file = read_c3d(path() / "walk.c3d");
+  const MusculoskeletalModel model = read_osim(path() / "model.osim");
+  const int thigh = model.find_body("femur_l");
+  ASSERT_GT(thigh, 0);
+  int hidden = 0;
+  for (const Marker& marker : model.markers) {
+    const int recorded = file.markers.find_marker(marker.name);
+    if (marker.body != thigh || recorded < 0) continue;
+    hide(file.markers, recorded, 120, 30);
+    ++hidden;
+  }
+  ASSERT_GE(hidden, 1);
+  write_c3d(path() / "thigh.c3d", file);
+  ASSERT_EQ(run("thigh.c3d", "thigh").exit_code, 0);
+  const std::string said = reasons("thigh", "gap");
+  EXPECT_TRUE(holds(said, "hip_flexion_l")) << said;
+  EXPECT_TRUE(holds(said, "knee_angle_l")) << said;
+  EXPECT_FALSE(holds(said, "ankle_angle_l")) << said;
+  const TimeTable torques = table("thigh/id.sto");
+  const int told = torques.find_column("hip_flexion_l_determined");
+  ASSERT_GE(told, 0);
+  EXPECT_EQ(torques.values(135, told), 0.0);
+  EXPECT_EQ(torques.values(100, told), 1.0);
+}
+
 TEST_F(LabGaps, AMarkerOfThreeFramesSaysNothingAndIsNamed) {
   C3dFile file = read_c3d(path() / "walk.c3d");
   C3dFile without = file;
