@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "data/preflight_sides.h"
+#include "data/preflight_swaps.h"
 #include "pipeline/check_report.h"
 
 namespace sinew {
@@ -51,9 +53,30 @@ std::vector<VerdictReason> finding_reasons(const std::vector<Finding>& findings,
     const double certain = finding.kind == "swap" ? kCertainOfJumps : kCertain;
     if (finding.severity != Finding::Severity::kError || finding.confidence < certain) continue;
     // A static trial is one pose: what is exchanged in a part of it spoils its mean.
-    const bool whole = !std::isfinite(finding.from) || finding.file == static_trial;
+    const bool whole =
+        !std::isfinite(finding.from) || (!static_trial.empty() && finding.file == static_trial);
     const double share = whole ? 1.0 : (finding.to - finding.from) / (end - begin);
     reasons.push_back(make(finding, share, static_trial));
+  }
+  return reasons;
+}
+
+std::vector<VerdictReason> exchange_reasons(const MarkerFile& file) {
+  const MarkerTrajectories& markers = file.markers;
+  AxisEvidence evidence;
+  evidence.markers = &markers;
+  const LaboratoryAxes axes = find_axes(evidence);
+  std::vector<Finding> findings = find_swap_faults(markers, axes);
+  const std::vector<Finding> sides = find_side_faults(markers, axes);
+  findings.insert(findings.end(), sides.begin(), sides.end());
+  std::vector<VerdictReason> reasons;
+  for (Finding& finding : findings) {
+    finding.file = file.path;
+    for (VerdictReason& reason :
+         finding_reasons({finding}, markers.time[0], markers.time[markers.time.size() - 1], "")) {
+      if (!finding.flags.empty()) reason.remedy = remedy_command(finding);
+      reasons.push_back(std::move(reason));
+    }
   }
   return reasons;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "data/finding.h"
+#include "data/trc_file.h"
 #include "data/verdict_reason.h"
 
 /// What findings about a laboratory's recordings mean for a run that goes on with them.
@@ -20,5 +21,9 @@ std::string run_remedy(const Finding& finding, const std::string& static_trial);
 /// findings, and those of less confidence, give none. O(findings).
 std::vector<VerdictReason> finding_reasons(const std::vector<Finding>& findings, double begin,
                                            double end, const std::string& static_trial);
+
+/// The same of a file of markers, whose own names tell what is up in it. The remedy is a command of
+/// `sinew convert`. O(frames · markers + frames · pairs).
+std::vector<VerdictReason> exchange_reasons(const MarkerFile& file);
 
 }  // namespace sinew

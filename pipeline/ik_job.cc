@@ -110,6 +110,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
   job.options.cold_start.starts = inputs.starts;
   job.options.minimizer.record_iterations = inputs.record_iterations;
   job.options.threads = inputs.threads;
+  job.find_exchanges = inputs.find_exchanges;
   job.recorded_names = inputs.recorded_names;
   job.reach = static_cast<int>(std::ceil(inputs.reach * job.recording.markers.rate));
   return job;

@@ -42,6 +42,7 @@ struct IkInputs {
   int starts = ColdStartOptions{}.starts;
   WireOptions wires;
   bool name_unmatched = true;            // as BindingOptions'
+  bool find_exchanges = true;            // of markers' names; false where others looked before
   std::filesystem::path filled_file;     // which samples were filled in; may be empty
   double filled_weight = kFilledWeight;  // of these, where nothing tells how well
   bool leave_out_spikes = true;          // of markers (data/marker_spikes.h)
@@ -59,6 +60,7 @@ struct IkJob {
   MarkerFile recording;
   TrackingProblem tracking;
   TrackingOptions options;
+  bool find_exchanges = true;                         // IkInputs'
   int reach = 0;                                      // IkInputs' in frames
   std::map<std::string, std::string> recorded_names;  // IkInputs'
   std::vector<Warning> warnings;                      // of reading and binding

@@ -110,7 +110,7 @@ struct RunCommand {
     }
     if (ik.model.empty() && ik.markers.empty()) use_example();
     IkInputs inputs = ik.inputs();
-    inputs.name_unmatched = !lab_job;  // or else they were named before
+    inputs.name_unmatched = inputs.find_exchanges = !lab_job;  // or else it was done before
     inputs.recorded_names = recorded_names(log);
     inputs.reach = filter_reach(dynamics.cutoff.value_or(kDefaultCutoff));
     if (lab_job) inputs.reach = std::max(inputs.reach, filter_reach(lab_job->marker_cutoff));

@@ -10,6 +10,7 @@
 #include "model/limb_paths.h"
 #include "model/model_check.h"
 #include "model/tree_pose.h"
+#include "pipeline/finding_reasons.h"
 #include "pipeline/reports.h"
 #include "pipeline/undetermined.h"
 #include "pipeline/verdict_limits.h"
@@ -364,6 +365,10 @@ KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& r
 
 std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingResult& result) {
   std::vector<VerdictReason> found = coverage_reasons(job, result);
+  if (job.find_exchanges && stands_for_a_person(job.model)) {
+    const std::vector<VerdictReason> more = exchange_reasons(job.recording);
+    found.insert(found.end(), more.begin(), more.end());
+  }
   for (const std::vector<VerdictReason>& more : {angle_jumps(job.model, result), job.reasons}) {
     found.insert(found.end(), more.begin(), more.end());
   }

@@ -23,8 +23,9 @@ ModelEvidence model_evidence(const MusculoskeletalModel& model);
 KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& result,
                                        double static_rms, const std::vector<VerdictReason>& found);
 
-/// What others find in a solved trial: angles that no marker determines. Time: one eigenvalue
-/// decomposition.
+/// What others find in a solved trial: angles that no marker determines, steps, gaps, and markers
+/// that bear each other's names, unless that was looked for before. Time: one eigenvalue
+/// decomposition, and O(frames · markers).
 std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingResult& result);
 
 ScaleEvidence scale_evidence(const ScaledModel& scaled);

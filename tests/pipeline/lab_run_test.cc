@@ -221,6 +221,22 @@ TEST_F(LabRun, OptionsPutARecordingRight) {
             "list of texts, found 7. Correct the value.");
 }
 
+TEST_F(LabRun, ExchangedNamesAreFoundInTablesToo) {
+  MarkerTrajectories markers = read_trc(path() / "walk.trc").markers;
+  for (std::string& name : markers.names) {
+    name = name == "RKNE" ? "LKNE" : name == "LKNE" ? "RKNE" : name;
+  }
+  write_trc(path() / "knees.trc", markers);
+  const Outcome outcome =
+      run_sinew(path(), {"ik", "--model", "model.osim", "--markers", "knees.trc", "--from", "0.5",
+                         "--to", "0.6", "--out", "knees.mot"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  const Json verdict = json("knees_verdict.json");
+  EXPECT_EQ(verdict["reasons"][0]["code"], "exchanged-markers");
+  EXPECT_EQ(verdict["reasons"][0]["remedy"],
+            "sinew convert knees.trc --swap LKNE,RKNE --out mended.trc");
+}
+
 // A turned recording is met as well as any: only where the feet are tells.
 TEST_F(LabRun, FeetAboveThePelvisAreRemarkedOn) {
   MarkerTrajectories markers = read_trc(path() / "walk.trc").markers;
