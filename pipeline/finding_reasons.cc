@@ -11,6 +11,7 @@
 namespace sinew {
 namespace {
 
+constexpr double kLikely = 0.6;
 // Two that jump at once, each to where the other was about to be, are hardly ever anything else.
 constexpr double kCertain = 0.95, kCertainOfJumps = 0.8;
 
@@ -35,6 +36,17 @@ VerdictReason make(const Finding& finding, double share, const std::string& stat
   return reason;
 }
 
+VerdictReason of_forces(const Finding& finding, const std::string& static_trial) {
+  VerdictReason reason;
+  reason.code = "forces-" + finding.kind;
+  reason.text = fmt::format("{} ({})", finding.text, confidence_word(finding.confidence));
+  reason.figure = 100.0 * finding.confidence;
+  reason.unit = "% sure";
+  reason.source = "Sinew";
+  reason.remedy = run_remedy(finding, static_trial);
+  return reason;
+}
+
 }  // namespace
 
 std::string run_remedy(const Finding& finding, const std::string& static_trial) {
@@ -49,6 +61,10 @@ std::vector<VerdictReason> finding_reasons(const std::vector<Finding>& findings,
                                            double end, const std::string& static_trial) {
   std::vector<VerdictReason> reasons;
   for (const Finding& finding : findings) {
+    if (finding.kind == "clock" || finding.kind == "place") {
+      if (finding.confidence >= kLikely) reasons.push_back(of_forces(finding, static_trial));
+      continue;
+    }
     if (finding.kind != "swap" && finding.kind != "side") continue;
     const double certain = finding.kind == "swap" ? kCertainOfJumps : kCertain;
     if (finding.severity != Finding::Severity::kError || finding.confidence < certain) continue;

@@ -17,8 +17,9 @@ std::string run_remedy(const Finding& finding, const std::string& static_trial);
 
 /// Code `exchanged-markers`: markers that certainly bear each other's names (confidence from 0.95
 /// on, from 0.8 on where both jump), which the solved pose hides. Not usable, however short of
-/// the record from `begin` to `end` [s] it is: sizes are fitted to these samples, too. Other
-/// findings, and those of less confidence, give none. O(findings).
+/// the record from `begin` to `end` [s] it is: sizes are fitted to these samples, too. Codes
+/// `forces-clock` and `forces-place`, remarks: forces that likely (from 0.6 on) come earlier or
+/// later than the feet rest, or beside them. Other findings give none. O(findings).
 std::vector<VerdictReason> finding_reasons(const std::vector<Finding>& findings, double begin,
                                            double end, const std::string& static_trial);
 

@@ -221,6 +221,22 @@ TEST_F(LabRun, OptionsPutARecordingRight) {
             "list of texts, found 7. Correct the value.");
 }
 
+TEST_F(LabRun, LateForcesAreRemarkedOn) {
+  const Outcome late =
+      run_sinew(path(), {"convert", "walk.c3d", "--shift-forces", "0.08", "--out", "late.c3d"});
+  ASSERT_EQ(late.exit_code, 0) << late.err;
+  run({"--c3d", "late.c3d", "--model", "model.osim", "--no-scale", "--out", "late"});
+  const Json verdict = json("late/verdict.json");
+  Json found;
+  for (const Json& r : verdict["reasons"]) {
+    if (r["code"] == "forces-clock") found = r;
+  }
+  ASSERT_FALSE(found.is_null()) << verdict;
+  const std::string remedy = found["remedy"], option = "--shift-forces ";
+  ASSERT_TRUE(remedy.starts_with(option)) << remedy;
+  EXPECT_NEAR(std::stod(remedy.substr(option.size())), -0.08, 0.015);
+}
+
 TEST_F(LabRun, ExchangedNamesAreFoundInTablesToo) {
   MarkerTrajectories markers = read_trc(path() / "walk.trc").markers;
   for (std::string& name : markers.names) {
