@@ -64,6 +64,15 @@ std::vector<AssignmentOverride> parse_overrides(const std::vector<std::string>& 
                       "2:none@0.5-1.2",
                       text));
     }
+    for (const AssignmentOverride& other : overrides) {
+      const bool same = other.plate == parsed->plate && other.from == parsed->from &&
+                        other.to == parsed->to && other.foot != parsed->foot;
+      if (!same) continue;
+      throw std::invalid_argument(
+          fmt::format("--assign {} contradicts another one, which says {} for the same time: give "
+                      "one of them",
+                      text, other.foot));
+    }
     overrides.push_back(*parsed);
   }
   return overrides;

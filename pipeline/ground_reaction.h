@@ -15,7 +15,8 @@ namespace sinew {
 std::vector<Foot> feet_of(const MarkerTrajectories& markers, const std::string& path,
                           const MusculoskeletalModel* model);
 
-/// Reads `--assign` options; throws std::invalid_argument for what is none.
+/// Reads `--assign` options; throws std::invalid_argument for what is none and for two that give
+/// one platform and time to different feet. Of those that overlap otherwise the later goes first.
 std::vector<AssignmentOverride> parse_overrides(const std::vector<std::string>& texts);
 
 /// Writes the feet's loads (.mot), the ExternalLoads that name them (.xml) and the list of contacts

@@ -520,6 +520,10 @@ TEST_F(LabRun, WrongUsageIsTold) {
       error({"--c3d", "walk.c3d", "--model", "model.osim", "--no-scale", "--assign", "1-right"}),
       "--assign 1-right is not PLATE:FOOT or PLATE:FOOT@FROM-TO, such as 1:right or "
       "2:none@0.5-1.2");
+  EXPECT_EQ(error({"--c3d", "walk.c3d", "--model", "model.osim", "--no-scale", "--assign",
+                   "1:right", "--assign", "1:left"}),
+            "--assign 1:left contradicts another one, which says right for the same time: give one "
+            "of them");
   EXPECT_EQ(
       error({"--c3d", "grf.mot", "--model", "model.osim", "--no-scale"}),
       "grf.mot: is no recording of markers; expected a .c3d or .trc file, found .mot. Convert "
