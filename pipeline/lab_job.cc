@@ -162,12 +162,21 @@ class Preparation {
       standing = MarkerFile{trial.file.path, name(trial, "static ", generic.model), {}};
       plates = trial.plates;
       write_trc(folder_ / kStatic, standing->markers);
-      note(static_trial_reasons(standing->markers, markers));
       standing_ = standing->markers;
     }
     SettledModel settled =
         settle_model(generic, walking, standing ? &*standing : nullptr, plates, entered_, options_,
                      job_.ik.threads, folder_ / kModel, log_, warnings_);
+    if (standing_) {
+      std::vector<VerdictReason> reasons = static_trial_reasons(*standing_, markers);
+      // Where no size follows from it, it spoils none.
+      const bool used = settled.by == "static" || settled.by == "both" || settled.by == "setup";
+      for (VerdictReason& reason : reasons) {
+        if (!used && reason.code != "trials-exchanged")
+          reason.weight = VerdictReason::Weight::kRemark;
+      }
+      note(reasons);
+    }
     note(settled.reasons);
     if (settled.fit && settled.fit->trials.size() == 2) {
       note(static_pose_reasons(settled.fit->trials[0].rms));

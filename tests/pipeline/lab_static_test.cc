@@ -151,6 +151,21 @@ TEST_F(LabStatic, UnitFollowsFromTheWalk) {
       << point.err;
 }
 
+// What a message proposes helps.
+TEST_F(LabStatic, ALargerSubjectsIsLeftOutByScalingToTheWalk) {
+  MarkerTrajectories larger = read_trc(path() / "static.trc").markers;
+  larger.p_WM *= 1.15;
+  write_trc(path() / "larger.trc", larger);
+  const Outcome both = run("walk.c3d", "larger.trc", "larger", {"--mass", "75"});
+  EXPECT_EQ(both.exit_code, 1) << both.out;
+  EXPECT_TRUE(holds(codes("larger"), "other-person")) << codes("larger");
+  EXPECT_TRUE(holds(both.out, "--scale walk")) << both.out;
+  const Outcome walk =
+      run("walk.c3d", "larger.trc", "larger_walk", {"--mass", "75", "--scale", "walk"});
+  EXPECT_EQ(walk.exit_code, 0) << walk.out;
+  EXPECT_TRUE(holds(codes("larger_walk"), "other-person")) << codes("larger_walk");
+}
+
 TEST_F(LabStatic, AMirroredOneIsNotUsable) {
   MarkerTrajectories mirrored = read_trc(path() / "static.trc").markers;
   for (int m = 0; m < mirrored.marker_count(); ++m) mirrored.p_WM.col(3 * m + 2) *= -1.0;
