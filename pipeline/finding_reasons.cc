@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "data/preflight_order.h"
 #include "data/preflight_sides.h"
 #include "data/preflight_swaps.h"
 #include "pipeline/check_report.h"
@@ -83,8 +84,10 @@ std::vector<VerdictReason> exchange_reasons(const MarkerFile& file) {
   evidence.markers = &markers;
   const LaboratoryAxes axes = find_axes(evidence);
   std::vector<Finding> findings = find_swap_faults(markers, axes);
-  const std::vector<Finding> sides = find_side_faults(markers, axes);
-  findings.insert(findings.end(), sides.begin(), sides.end());
+  for (const std::vector<Finding>& more :
+       {find_side_faults(markers, axes), find_order_faults(markers, axes)}) {
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
   std::vector<VerdictReason> reasons;
   for (Finding& finding : findings) {
     finding.file = file.path;

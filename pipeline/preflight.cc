@@ -14,6 +14,7 @@
 #include "data/preflight_forces.h"
 #include "data/preflight_gaps.h"
 #include "data/preflight_markers.h"
+#include "data/preflight_order.h"
 #include "data/preflight_rate.h"
 #include "data/preflight_sides.h"
 #include "data/preflight_spikes.h"
@@ -143,6 +144,7 @@ class Check {
       append(findings_, find_spike_faults(markers(), find_marker_swaps(markers())));
     }
     append(findings_, find_side_faults(markers(), axes_));
+    append(findings_, find_order_faults(markers(), axes_));
     append(findings_, find_gap_faults(markers()));
     if (!inputs_.model) return;
     append(findings_, find_unmatched_markers(markers(), *inputs_.model));

@@ -10,6 +10,7 @@
 #include "data/marker_names.h"
 #include "data/preflight_gaps.h"
 #include "data/preflight_markers.h"
+#include "data/preflight_order.h"
 #include "data/preflight_rate.h"
 #include "data/preflight_sides.h"
 #include "data/preflight_swaps.h"
@@ -212,6 +213,30 @@ TEST(Preflight, FindsAHeelAndAToeThatAreExchangedAllTheTime) {
     edit_markers(markers, 1.0, edits_of(findings));
     EXPECT_TRUE(find_side_faults(markers, axes).empty()) << toe;
   }
+}
+
+TEST(Preflight, FindsMarkersOfOneLegInTheWrongOrder) {
+  LaboratoryAxes axes;
+  axes.up.axis = Eigen::Vector3d::UnitY();
+  axes.up.confidence = 1.0;
+  EXPECT_TRUE(find_order_faults(walk().markers, axes).empty());
+  for (const auto& [high, low] :
+       {std::pair{"LKNE", "LTIB"}, {"RKNE", "RANK"}, {"RTHI", "RKNE"}, {"LASI", "LKNE"}}) {
+    MarkerTrajectories markers = walk().markers;
+    exchange(markers, markers.find_marker(high), markers.find_marker(low), 0,
+             markers.frame_count());
+    const std::vector<Finding> findings = find_order_faults(markers, axes);
+    ASSERT_EQ(findings.size(), 1u) << high;
+    EXPECT_EQ(findings[0].flags,
+              (std::vector<std::string>{"--swap", std::string(high) + "," + low}));
+  }
+  // Somebody who kneels all the time has both legs like that.
+  MarkerTrajectories kneeling = walk().markers;
+  for (const char* side : {"R", "L"}) {
+    exchange(kneeling, kneeling.find_marker(side + std::string("KNE")),
+             kneeling.find_marker(side + std::string("ANK")), 0, kneeling.frame_count());
+  }
+  EXPECT_TRUE(find_order_faults(kneeling, axes).empty());
 }
 
 // Names tell which part of an exchange that is not undone is wrong, also where it is the longer.
