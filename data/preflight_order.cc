@@ -22,12 +22,13 @@ struct LegMarker {
   int level = 0;  // from the floor upwards
 };
 
-// Foot 0, ankle 1, shank 2, knee 3, thigh 4, pelvis 5; −1 for others.
+// Foot and ankle 1, for toes are lifted above ankles, shank 2, knee 3, thigh 4, pelvis 5; −1 for
+// others.
 int level_of(const std::string& name, const std::string& site) {
   const std::string place = site.size() > 2 && site[1] == ':' ? site.substr(2) : "";
   const std::pair<const char*, int> sites[] = {{"asi", 5}, {"psi", 5}, {"kne", 3}, {"knm", 3},
-                                               {"ank", 1}, {"med", 1}, {"hee", 0}, {"toe", 0},
-                                               {"mt1", 0}, {"mt5", 0}, {"ttc", 2}, {"hfb", 2}};
+                                               {"ank", 1}, {"med", 1}, {"hee", 1}, {"toe", 1},
+                                               {"mt1", 1}, {"mt5", 1}, {"ttc", 2}, {"hfb", 2}};
   for (const auto& [known, level] : sites) {
     if (place == known) return level;
   }
@@ -50,7 +51,7 @@ std::vector<LegMarker> leg_of(const MarkerTrajectories& markers, Side side) {
   return leg;
 }
 
-// How much of the frames marker a is below b in.
+// In which part of the frames marker a is below b; 0 where they are seldom seen together.
 double share_below(const MarkerTrajectories& markers, int a, int b, const Eigen::Vector3d& up) {
   int frames = 0, below = 0;
   for (int f = 0; f < markers.frame_count(); ++f) {
@@ -59,7 +60,8 @@ double share_below(const MarkerTrajectories& markers, int a, int b, const Eigen:
     ++frames;
     below += d < -kLeastHeight;
   }
-  return frames > 0 ? static_cast<double>(below) / frames : 0.0;
+  return 2 * frames >= markers.frame_count() ? static_cast<double>(below) / std::max(frames, 1)
+                                             : 0.0;
 }
 
 // By how much the marker of the higher name lies below the other, in the mean [m].
