@@ -1,13 +1,13 @@
 #include "data/gap_prediction.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "data/natural_spline.h"
+#include "data/rigid_fit.h"
 
 namespace sinew {
 namespace {
@@ -39,42 +39,6 @@ constexpr double kShortestCut = 0.25;
 // Frames looked at in a rigid cut.
 constexpr int kFramesACut = 10;
 
-// The rotation and shift that carries one cloud onto another best.
-struct Motion {
-  Eigen::Matrix3d R;
-  Vector3d t;
-  double misfit = 0.0;  // RMS
-};
-
-std::optional<Motion> fit_motion(const std::vector<Vector3d>& from,
-                                 const std::vector<Vector3d>& to) {
-  const auto n = static_cast<double>(from.size());
-  Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    a += from[i] / n;
-    b += to[i] / n;
-  }
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), spread = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    H += (from[i] - a) * (to[i] - b).transpose();
-    spread += (from[i] - a) * (from[i] - a).transpose();
-  }
-  const Eigen::Vector3d width = spread.jacobiSvd().singularValues();
-  if (!(std::sqrt(width[1]) > kLeastWidth)) return std::nullopt;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d D = Eigen::Matrix3d::Identity();
-  D(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  Motion motion;
-  motion.R = svd.matrixV() * D * svd.matrixU().transpose();
-  motion.t = b - motion.R * a;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    sum += (motion.R * from[i] + motion.t - to[i]).squaredNorm();
-  }
-  motion.misfit = std::sqrt(sum / n);
-  return motion;
-}
-
 // Reference poses and the marker's places in them.
 struct Carried {
   Vector3d p;
@@ -84,22 +48,25 @@ struct Carried {
 std::optional<Carried> carry(const MarkerTrajectories& measured, int marker,
                              const std::vector<int>& helpers, int reference, int frame,
                              std::vector<int>& used) {
-  std::vector<Vector3d> from, to;
+  const auto most = static_cast<Eigen::Index>(helpers.size());
+  Eigen::Matrix3Xd from(3, most), to(3, most);
   std::vector<int> with;
   for (const int helper : helpers) {
     const Vector3d a = measured.position(reference, helper), b = measured.position(frame, helper);
     if (!a.allFinite() || !b.allFinite()) continue;
-    from.push_back(a);
-    to.push_back(b);
+    const auto n = static_cast<Eigen::Index>(with.size());
+    from.col(n) = a;
+    to.col(n) = b;
     with.push_back(helper);
   }
   if (with.size() < 3) return std::nullopt;
-  const std::optional<Motion> motion = fit_motion(from, to);
-  if (!motion) return std::nullopt;
+  const auto n = static_cast<Eigen::Index>(with.size());
+  const RigidFit fit = fit_rigidly(from.leftCols(n), to.leftCols(n), Eigen::VectorXd::Ones(n));
+  if (!(fit.width > kLeastWidth)) return std::nullopt;
   for (const int helper : with) {
     if (std::find(used.begin(), used.end(), helper) == used.end()) used.push_back(helper);
   }
-  return Carried{motion->R * measured.position(reference, marker) + motion->t, motion->misfit};
+  return Carried{fit.R * measured.position(reference, marker) + fit.t, fit.misfit};
 }
 
 }  // namespace

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <string>
 
+#include "data/rigid_fit.h"
 #include "data/statistics.h"
 
 namespace sinew {
@@ -20,6 +23,8 @@ constexpr double kApart = 0.15;         // [m]
 constexpr double kKept = 0.01;          // [m]
 constexpr int kLeastPairs = 6;          // fewer agree or differ by chance
 constexpr double kOneSubject = 0.01;    // [m]
+constexpr double kSlides = 0.025;       // [m]
+constexpr std::size_t kEnough = 10;     // frames, to tell whether a distance is kept
 
 // RMS over the markers that are in both of how far they are from `middle`; NaN if none is.
 double distance_from(const MarkerTrajectories& markers, int frame,
@@ -110,6 +115,51 @@ double standard_deviation(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
+// A marker that both trials have.
+struct Common {
+  int standing, moving;
+  Eigen::Vector3d place;  // in the middle of the static trial
+};
+
+// How far a marker of a segment sits from where the others carry its place to, and how well those
+// fit, on average over the moving trial [m].
+struct Carried {
+  double change = std::numeric_limits<double>::quiet_NaN();  // where they do not tell it
+  double misfit = std::numeric_limits<double>::infinity();
+};
+
+Carried carried_place(const MarkerTrajectories& moving, const std::vector<Common>& markers,
+                      std::size_t which) {
+  constexpr double kLeastWidth = 0.03;  // [m] narrower ones turn with the skin
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double misfit = 0.0;
+  int count = 0;
+  for (const int f : every(moving.frame_count(), kFrames)) {
+    const Eigen::Vector3d p = moving.position(f, markers[which].moving);
+    Eigen::Matrix3Xd from(3, markers.size()), to(3, markers.size());
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(from.cols());
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      from.col(k) = markers[i].place;
+      to.col(k) = moving.position(f, markers[i].moving);
+      if (i != which && to.col(k).allFinite()) {
+        weights[k] = 1.0;
+      } else {
+        to.col(k).setZero();
+      }
+    }
+    if (weights.sum() < 3.0 || !p.allFinite()) continue;
+    const RigidFit fit = fit_rigidly(from, to, weights);
+    // Of others that were moved themselves nothing follows.
+    if (fit.width < kLeastWidth || fit.misfit > kKept) continue;
+    sum += fit.R.transpose() * (p - fit.t) - markers[which].place;
+    misfit += fit.misfit;
+    ++count;
+  }
+  if (count < static_cast<int>(kEnough)) return {};
+  return {sum.norm() / count, misfit / count};
+}
+
 VerdictReason reason(const char* code, VerdictReason::Weight weight, double figure, double limit,
                      std::string text, std::string remedy) {
   VerdictReason made;
@@ -145,7 +195,6 @@ SegmentAgreement compare_segments(const MarkerTrajectories& standing,
       const int b = moving.find_marker(standing.names[static_cast<std::size_t>(j)]);
       if (b < 0) continue;
       const std::vector<double> then = distances(moving, a, b), now = distances(standing, i, j);
-      constexpr std::size_t kEnough = 10;  // frames, to tell whether a distance is kept
       if (then.size() < kEnough || now.empty() || standard_deviation(then) > kKept) continue;
       const double middle = median(then);
       if (middle >= kApart) differences.push_back(std::abs(median(now) - middle));
@@ -194,6 +243,62 @@ std::vector<VerdictReason> static_trial_reasons(const MarkerTrajectories& standi
                            "{:.0f} mm or more",
                            agreement.pairs, 1e3 * agreement.difference),
                "give the subject's own static trial, or --scale walk to leave it out"));
+  }
+  return reasons;
+}
+
+std::vector<VerdictReason> static_marker_reasons(const MarkerTrajectories& standing,
+                                                 const MarkerTrajectories& moving,
+                                                 const std::vector<int>& segments) {
+  const Eigen::RowVectorXd places = middle_of(standing, every(standing.frame_count(), kFrames));
+  std::map<int, std::vector<Common>> common;  // of each segment
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const int m = moving.find_marker(standing.names[i]);
+    const Eigen::Vector3d p = places.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
+    if (segments[i] >= 0 && m >= 0 && p.allFinite()) {
+      common[segments[i]].push_back({static_cast<int>(i), m, p});
+    }
+  }
+  std::vector<VerdictReason> reasons;
+  const auto add = [&](double change, const std::string& text, const std::string& drop) {
+    reasons.push_back(reason("static-marker", VerdictReason::Weight::kRemark, change, kSlides, text,
+                             drop + ", or --scale walk leaves the static trial out"));
+  };
+  for (auto& [segment, markers] : common) {
+    const bool by_fit = markers.size() >= 4;
+    while (markers.size() >= 4) {
+      // Where one was moved, its others still fit each other best.
+      Carried best;
+      std::size_t which = 0;
+      for (std::size_t i = 0; i < markers.size(); ++i) {
+        const Carried carried = carried_place(moving, markers, i);
+        if (!(carried.change > kSlides) || !(carried.misfit < best.misfit)) continue;
+        best = carried;
+        which = i;
+      }
+      if (std::isnan(best.change)) break;
+      const std::string& name = standing.names[static_cast<std::size_t>(markers[which].standing)];
+      add(best.change,
+          fmt::format("{} sat elsewhere among the markers of its segment in the static trial",
+                      name),
+          "--drop " + name);
+      markers.erase(markers.begin() + static_cast<std::ptrdiff_t>(which));
+    }
+    for (std::size_t i = 0; !by_fit && i < markers.size(); ++i) {
+      for (std::size_t j = i + 1; j < markers.size(); ++j) {
+        const std::vector<double> then = distances(moving, markers[i].moving, markers[j].moving);
+        if (then.size() < kEnough || standard_deviation(then) > kKept) continue;
+        const double change = std::abs((markers[i].place - markers[j].place).norm() - median(then));
+        if (!(change > kSlides)) continue;
+        const std::string &a = standing.names[static_cast<std::size_t>(markers[i].standing)],
+                          &b = standing.names[static_cast<std::size_t>(markers[j].standing)];
+        add(change,
+            fmt::format("{} or {} sat elsewhere in the static trial: their distance "
+                        "differs",
+                        a, b),
+            "--drop the one that was put on anew");
+      }
+    }
   }
   return reasons;
 }

@@ -51,6 +51,16 @@ SegmentAgreement compare_segments(const MarkerTrajectories& standing,
 std::vector<VerdictReason> static_trial_reasons(const MarkerTrajectories& standing,
                                                 const MarkerTrajectories& moving);
 
+/// `static-marker`: a marker that sat elsewhere on its segment in the static trial. Where a segment
+/// has four, by where the others carry its place to, over frames of the second trial in which they
+/// fit to 10 mm RMS; where it has two or three, by distances that the second trial keeps to 10 mm
+/// (standard deviation), which name both markers. More than 25 mm count: skin slides by 10 to 15 mm
+/// over most segments (Leardini et al. 2005, Gait Posture 21:212-225). `segments`: of each marker
+/// of `standing`, -1 if unknown. O(markers² within segments · frames).
+std::vector<VerdictReason> static_marker_reasons(const MarkerTrajectories& standing,
+                                                 const MarkerTrajectories& moving,
+                                                 const std::vector<int>& segments);
+
 /// `static-rms`: markers that a model meets in its static trial but not in the walk, by more
 /// than 10 mm RMS: soft tissue adds 3 to 6 mm in six published pairs of trials that are fitted
 /// together, a pose that was mistaken or joints that turn elsewhere add 10 mm and more. RMS in m.

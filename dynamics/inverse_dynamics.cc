@@ -250,6 +250,12 @@ void InverseDynamicsOptions::validate() const {
 
 CoordinateSpline motion_spline(const MusculoskeletalModel& model, const CoordinateTable& motion,
                                double cutoff) {
+  constexpr Eigen::Index kFewest = 6;  // of a quintic spline
+  if (motion.time.size() < kFewest) {
+    throw InputError({motion.path, 0}, {"is too short to be differentiated", "6 frames or more",
+                                        fmt::format("{}", motion.time.size()),
+                                        "Take a longer record, or a longer part of it."});
+  }
   try {
     if (cutoff < 0.0) return {motion.time, motion.q};
     TimeTable table;

@@ -427,13 +427,11 @@ void AutoScaler::name_limits() {
     reasons.push_back(
         segment_size_reason(body, estimate.axis, estimate.factor / result_.size, limits));
   }
-  const auto& technical = options_.technical_markers;
   for (const MarkerOffset& offset : result_.offsets) {
     if (!offset.at_limit) continue;
     const std::string& name = model_.markers[static_cast<std::size_t>(offset.marker)].name;
-    reasons.push_back(moved_marker_reason(
-        name, offset.offset.cwiseAbs().maxCoeff(),
-        std::find(technical.begin(), technical.end(), name) != technical.end(), limits));
+    reasons.push_back(moved_marker_reason(name, offset.offset.cwiseAbs().maxCoeff(),
+                                          options_.technical_markers, limits));
   }
 }
 

@@ -1,11 +1,11 @@
 #include "ik/root_alignment.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "data/rigid_fit.h"
 #include "ik/minimizer.h"
 
 namespace sinew {
@@ -132,19 +132,12 @@ void approach(const KinematicTree& tree, int link, const RigidTransform& X_WB,
 std::optional<RigidTransform> rigid_fit(const Eigen::Matrix3Xd& points,
                                         const Eigen::Matrix3Xd& measured,
                                         const Eigen::VectorXd& weights) {
-  const double sum = weights.sum();
-  if (points.cols() < 3 || !(sum > 0.0)) return {};
-  const Vector3d mean = points * weights / sum, mean_measured = measured * weights / sum;
-  const Eigen::Matrix3Xd from = points.colwise() - mean;
-  const Matrix3d spread = from * weights.asDiagonal() * from.transpose();
-  const Vector3d extents = Eigen::JacobiSVD<Matrix3d>(spread).singularValues();
-  if (!(extents[1] > kOnOneLine * kOnOneLine * extents[0])) return {};
-  const Matrix3d C = (measured.colwise() - mean_measured) * weights.asDiagonal() * from.transpose();
-  const Eigen::JacobiSVD<Matrix3d> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double mirrored = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1 : 1;
+  if (points.cols() < 3 || !(weights.sum() > 0.0)) return {};
+  const RigidFit fit = fit_rigidly(points, measured, weights);
+  if (!(fit.width > kOnOneLine * fit.length)) return {};
   RigidTransform X;
-  X.R = svd.matrixU() * Vector3d(1.0, 1.0, mirrored).asDiagonal() * svd.matrixV().transpose();
-  X.p = mean_measured - X.R * mean;
+  X.R = fit.R;
+  X.p = fit.t;
   return X;
 }
 

@@ -1,6 +1,7 @@
 #include "ik/size_limits.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,18 +73,24 @@ VerdictReason segment_size_reason(const std::string& body, int axis, double rati
   return reason;
 }
 
-VerdictReason moved_marker_reason(const std::string& marker, double moved, bool technical,
+VerdictReason moved_marker_reason(const std::string& marker, double moved,
+                                  const std::vector<std::string>& technical,
                                   const SizeLimits& limits) {
+  const bool anywhere = std::find(technical.begin(), technical.end(), marker) != technical.end();
   VerdictReason reason;
   reason.code = "moved-marker";
   reason.figure = 1e3 * std::abs(moved);
-  reason.limit = 1e3 * (technical ? limits.technical_marker_offset : limits.marker_offset);
+  reason.limit = 1e3 * (anywhere ? limits.technical_marker_offset : limits.marker_offset);
   reason.unit = "mm";
   reason.text =
       fmt::format("{} sits {:.0f} mm or more from where the model has it", marker, reason.figure);
-  reason.source = technical ? "Sinew" : kMarkersFrom;
-  reason.remedy = technical ? "look at what it is (--map)"
-                            : "look at what it is (--map); --technical if it marks no landmark";
+  reason.source = anywhere ? "Sinew" : kMarkersFrom;
+  reason.remedy = "look at what it is (--map)";
+  // The option says all of them.
+  if (!anywhere) {
+    reason.remedy += fmt::format("; --technical {}{}{} if it marks no landmark",
+                                 fmt::join(technical, ","), technical.empty() ? "" : ",", marker);
+  }
   return reason;
 }
 

@@ -41,8 +41,10 @@ VerdictReason whole_size_reason(double size, const SizeLimits& limits);
 /// `size-limit`, of a segment along `axis` (0, 1, 2; −1: all); `ratio` is its factor over the size.
 VerdictReason segment_size_reason(const std::string& body, int axis, double ratio,
                                   const SizeLimits& limits);
-/// `moved-marker`; `moved` [m] along an axis, `technical`: of a wand or cluster.
-VerdictReason moved_marker_reason(const std::string& marker, double moved, bool technical,
+/// `moved-marker`; `moved` [m] along an axis; `technical`: the names of those on wands and in
+/// clusters, among which this one may be.
+VerdictReason moved_marker_reason(const std::string& marker, double moved,
+                                  const std::vector<std::string>& technical,
                                   const SizeLimits& limits);
 
 /// Of factors from elsewhere, e.g. measurements of a ScaleTool setup: what lies beyond the limits.

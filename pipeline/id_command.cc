@@ -1,11 +1,11 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "data/storage_file.h"
 #include "data/tool_setup.h"
 #include "dynamics/coordinate_table.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
+#include "pipeline/filter_reasons.h"
 #include "pipeline/id_job.h"
 #include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
@@ -14,6 +14,7 @@
 #include "pipeline/output_check.h"
 #include "pipeline/undetermined.h"
 #include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_reasons.h"
 #include "pipeline/verdict_report.h"
 
 namespace sinew {
@@ -96,7 +97,7 @@ struct IdCommand {
       report(warnings,
              {{{coordinates},
                fmt::format("no marker told {} of its columns: torques of {} cannot be used",
-                           undetermined.size(), fmt::join(undetermined, ", "))}});
+                           undetermined.size(), some_names(undetermined))}});
       mark_undetermined(undetermined, result->forces);
     }
     write_storage(out, result->forces);
@@ -128,6 +129,9 @@ struct IdCommand {
                                load_placements(description, motion.time.segment(first, count),
                                                motion.q.middleRows(first, count), job.loads),
                                evidence.dynamics->supporting);
+    const std::vector<VerdictReason> filtered =
+        angle_filter_reasons(description, motion, job.options.cutoff);
+    evidence.found.insert(evidence.found.end(), filtered.begin(), filtered.end());
     return evidence;
   }
 };

@@ -15,6 +15,7 @@
 #include "model/osim_file.h"
 #include "model/whole_body.h"
 #include "pipeline/command.h"
+#include "pipeline/filter_reasons.h"
 #include "pipeline/finding_reasons.h"
 #include "pipeline/ground_reaction.h"
 #include "pipeline/lab_attach.h"
@@ -81,7 +82,9 @@ class Preparation {
         fill_lab_markers(markers, walk.file.path, generic.file, folder_ / kFilled, log_, warnings_);
     scale(generic, walk, well_filled(markers, filled));
     attach(markers);
+    const MarkerTrajectories unfiltered = markers;
     filter_lab_markers(markers, walk.file.path, log_, warnings_);
+    note(marker_filter_reasons(unfiltered, markers));
     for (const Decision& decision : log_.decisions()) {
       if (decision.name == "marker cutoff") job_.marker_cutoff = decision.value.get<double>();
     }
@@ -152,6 +155,16 @@ class Preparation {
     return name_lab_markers(trial, which, names, options_, log_, warnings_);
   }
 
+  // Of the static trial's markers, by the model.
+  std::vector<int> segments(const GenericModel& generic) const {
+    std::vector<int> segments;
+    for (const std::string& name : standing_->names) {
+      const int m = generic.model.find_marker(name);
+      segments.push_back(m < 0 ? -1 : generic.model.markers[static_cast<std::size_t>(m)].body);
+    }
+    return segments;
+  }
+
   void scale(const GenericModel& generic, const LabTrial& walk, const MarkerTrajectories& markers) {
     const MarkerFile walking{walk.file.path, markers, {}};
     std::optional<MarkerFile> standing;
@@ -169,6 +182,7 @@ class Preparation {
                      job_.ik.threads, folder_ / kModel, log_, warnings_);
     if (standing_) {
       std::vector<VerdictReason> reasons = static_trial_reasons(*standing_, markers);
+      if (reasons.empty()) reasons = static_marker_reasons(*standing_, markers, segments(generic));
       // Where no size follows from it, it spoils none.
       const bool used = settled.by == "static" || settled.by == "both" || settled.by == "setup";
       for (VerdictReason& reason : reasons) {

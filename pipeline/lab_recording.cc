@@ -205,6 +205,13 @@ Decision axis_decision(const std::string& name, const AxisDecision& axis, const 
   return decision;
 }
 
+// Of a decision that somebody edited.
+void require_axis(const std::string& axis, const std::string& path) {
+  if (axis.empty() || parse_axis(axis)) return;
+  throw InputError({path}, {"is turned by an axis that is none", "x, y, z, -x, -y or -z", axis,
+                            "Correct the decision `up` or `forward`."});
+}
+
 Turn settle_turn(const std::string& trial, const LabTrial& recording, DecisionLog& log,
                  std::vector<Warning>& warnings) {
   const C3dFile& file = recording.file;
@@ -217,14 +224,14 @@ Turn settle_turn(const std::string& trial, const LabTrial& recording, DecisionLo
   }
   options.up = log.settle_text(axis_decision(trial + "up", turn.axes.up, "--up"));
   if (options.up == "keep") return {};
+  require_axis(options.up, file.path);
+  std::vector<Warning> said_already;
+  if (!turn.axes.up.known() || options.up != axis_name(turn.axes.up.axis)) {
+    turn = find_turn(file.markers, file.path, file.screen, recording.plates, options, said_already);
+  }
   const Json forward = log.settle(axis_decision(trial + "forward", turn.axes.forward, "--forward"));
   if (forward.is_string()) options.forward = forward.get<std::string>();
-  for (const std::string& axis : {options.up, options.forward}) {
-    if (axis.empty() || parse_axis(axis)) continue;
-    throw InputError({file.path}, {"is turned by an axis that is none", "x, y, z, -x, -y or -z",
-                                   axis, "Correct the decision `up` or `forward`."});
-  }
-  std::vector<Warning> said_already;
+  require_axis(options.forward, file.path);
   const bool found = turn.axes.up.known() && options.up == axis_name(turn.axes.up.axis) &&
                      options.forward == axis_name(turn.axes.forward.axis);
   if (found) return turn;

@@ -7,6 +7,7 @@
 #include "data/storage_file.h"
 #include "pipeline/command.h"
 #include "pipeline/example.h"
+#include "pipeline/filter_reasons.h"
 #include "pipeline/id_job.h"
 #include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
@@ -214,7 +215,11 @@ struct RunCommand {
     const std::vector<VerdictReason> placed = load_placement_reasons(
         job.model, load_placements(job.model, solved.time, solved.coordinates, id_job.loads),
         evidence.dynamics->supporting);
-    evidence.found.insert(evidence.found.end(), placed.begin(), placed.end());
+    const std::vector<VerdictReason> filtered =
+        angle_filter_reasons(job.model, coordinate_table(job.model, solved), id_job.options.cutoff);
+    for (const std::vector<VerdictReason>& more : {placed, filtered}) {
+      evidence.found.insert(evidence.found.end(), more.begin(), more.end());
+    }
     return evidence;
   }
 

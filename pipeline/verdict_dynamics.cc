@@ -86,6 +86,23 @@ void judge_direction(const DynamicsEvidence& d, std::vector<VerdictReason>& reas
   }
 }
 
+// Sums are the mass times its acceleration, whatever the inner movement: a cosine of -1 is a turned
+// sign, of 0 an exchanged axis or another trial.
+void judge_pushes(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
+  for (const PushEvidence& p : d.pushes) {
+    if (!(std::min(p.load_rms, p.need_rms) > kLeastPush * d.weight)) continue;
+    auto* r =
+        judge_figure(reasons, {-p.cosine, kTurnedPush, kTurnedPush}, 1.0, "", "loads-turned", kOwn);
+    if (r == nullptr) continue;
+    r->text = fmt::format(
+        "the loads push against the acceleration of the body's mass along {} (minus the cosine of "
+        "both)",
+        p.axis);
+    r->remedy = fmt::format("turn the sign of their {}: {}", p.axis, kCheckLoads);
+    r->torques = d.supporting;
+  }
+}
+
 void judge_mass(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
   const double mass = d.weight / kGravity;
   const double off = std::abs(mass - d.carried_mass) / d.carried_mass;
@@ -129,6 +146,7 @@ std::vector<VerdictReason> judge_dynamics(const DynamicsEvidence& dynamics) {
     judge_coverage(dynamics, reasons);
     if (dynamics.loads_given) {
       judge_direction(dynamics, reasons);
+      judge_pushes(dynamics, reasons);
       judge_mass(dynamics, reasons);
       judge_root(dynamics, reasons);
     }

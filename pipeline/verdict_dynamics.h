@@ -25,6 +25,15 @@ struct RootResidual {
   double moment_max = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Along one horizontal axis of ground: the loads' sum against what the body's movement needs,
+/// which is that sum and what is left at the root. Over the known frames.
+struct PushEvidence {
+  std::string axis;                                            // "x" …
+  double load_rms = std::numeric_limits<double>::quiet_NaN();  // [N]
+  double need_rms = std::numeric_limits<double>::quiet_NaN();  // [N]
+  double cosine = std::numeric_limits<double>::quiet_NaN();    // between both, over the frames
+};
+
 struct DynamicsEvidence {
   bool floating = false;  // nothing but loads holds the model
   bool loads_given = false;
@@ -44,6 +53,7 @@ struct DynamicsEvidence {
   // known frames.
   double carried_mass = std::numeric_limits<double>::quiet_NaN();
   bool mass_of_some_frames = true;
+  std::vector<PushEvidence> pushes;
   RootResidual root;                     // over the known frames, or over all if there are none
   std::vector<FootEvidence> feet;        // by the platforms
   std::vector<std::string> supporting;   // coordinates between what carries the body and the root
@@ -51,9 +61,9 @@ struct DynamicsEvidence {
   std::vector<std::string> coordinates;  // all
 };
 
-/// Codes: `no-loads`, `loads-missing`, `loads-pull-down`, `loads-sideways`, `mass-carried`,
-/// `residual-force`, `residual-moment`, `not-in-motion`. A model that the ground holds has no
-/// residuals: what acts at its root is a torque like any other. O(feet + coordinates).
+/// Codes: `no-loads`, `loads-missing`, `loads-pull-down`, `loads-sideways`, `loads-turned`,
+/// `mass-carried`, `residual-force`, `residual-moment`, `not-in-motion`. A model that the ground
+/// holds has no residuals: what acts at its root is a torque like any other. O(feet + coordinates).
 std::vector<VerdictReason> judge_dynamics(const DynamicsEvidence& dynamics);
 
 /// Coordinates whose torques can be used in some of the frames only.

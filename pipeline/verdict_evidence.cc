@@ -144,8 +144,13 @@ bool sum_loads(const ExternalLoads& loads, const Eigen::VectorXd& time, RowMatri
 
 // Columns of the joints that connect the model to ground.
 struct RootColumns {
+  struct Shift {
+    int column = -1;
+    Eigen::Vector3d axis;  // in ground
+  };
   std::vector<int> forces, moments;
-  int vertical = -1;  // the force along up, where a coordinate is just that
+  std::vector<Shift> level;  // forces along a horizontal axis of ground
+  int vertical = -1;         // the force along up, where a coordinate is just that
   double sign = 1.0;
 };
 
@@ -181,8 +186,14 @@ RootColumns root_columns(const MusculoskeletalModel& model, const TimeTable& for
     const int column = forces.find_column(coordinate.name + (turns ? "_moment" : "_force"));
     if (column < 0) continue;
     (turns ? root.moments : root.forces).push_back(column);
-    const double along = shift_axis(joint, static_cast<int>(c)).dot(up);
-    if (turns || std::abs(along) < 0.99) continue;  // 8 degrees: what a tilted floor may have
+    if (turns) continue;
+    const Eigen::Vector3d axis = shift_axis(joint, static_cast<int>(c));
+    const double along = axis.dot(up);
+    constexpr double kSameAxis = 0.99;  // 8 degrees: what a tilted floor may have
+    if (std::abs(along) < 1.0 - kSameAxis && axis.cwiseAbs().maxCoeff() > kSameAxis) {
+      root.level.push_back({column, axis});
+    }
+    if (std::abs(along) < kSameAxis) continue;
     root.vertical = column;
     root.sign = along > 0.0 ? 1.0 : -1.0;
   }
@@ -263,13 +274,31 @@ std::vector<int> loaded_bodies(const ExternalLoads& loads, const Eigen::VectorXd
   return {bodies.begin(), bodies.end()};
 }
 
+PushEvidence push_along(const RootColumns::Shift& shift, const RowMatrix& sums,
+                        const TimeTable& forces, const std::vector<bool>& known) {
+  PushEvidence push;
+  int axis = 0;
+  shift.axis.cwiseAbs().maxCoeff(&axis);
+  push.axis = std::string(1, static_cast<char>('x' + axis));
+  const Eigen::VectorXd load = sums * shift.axis, need = load + forces.values.col(shift.column);
+  double dot = 0.0;
+  for (Eigen::Index f = 0; f < load.size(); ++f) {
+    if (known[static_cast<std::size_t>(f)]) dot += load[f] * need[f];
+  }
+  const auto n = static_cast<double>(std::count(known.begin(), known.end(), true));
+  push.load_rms = rms_where(load, known);
+  push.need_rms = rms_where(need, known);
+  push.cosine = dot / (n * push.load_rms * push.need_rms);
+  return push;
+}
+
 // Sums of the loads, and the mass that they carry in the known frames, in which `hangs` is what is
 // left at the root, upwards.
-void add_loads(const MusculoskeletalModel& model, const Eigen::VectorXd& time,
-               const ExternalLoads& loads, const std::vector<bool>& known,
+void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
+               const ExternalLoads& loads, const std::vector<bool>& known, const RootColumns& root,
                const Eigen::VectorXd& hangs, DynamicsEvidence& e) {
   RowMatrix sums;
-  const bool in_ground = sum_loads(loads, time, sums);
+  const bool in_ground = sum_loads(loads, forces.time, sums);
   e.peak_load = sums.rowwise().norm().maxCoeff();
   if (!in_ground) return;
   const Eigen::VectorXd vertical = sums * up_of(model);
@@ -279,6 +308,10 @@ void add_loads(const MusculoskeletalModel& model, const Eigen::VectorXd& time,
   e.horizontal_load_rms = std::sqrt(std::max(0.0, sums.squaredNorm() - vertical.squaredNorm()) / n);
   const double given = mean_where(vertical, known), left = mean_where(hangs, known);
   if (given > 0.0) e.carried_mass = model.total_mass() * given / (given + left);
+  if (e.known == 0) return;
+  for (const RootColumns::Shift& shift : root.level) {
+    e.pushes.push_back(push_along(shift, sums, forces, known));
+  }
 }
 
 void add_feet(const MusculoskeletalModel& model, const CoverageOfFrames& of,
@@ -435,7 +468,7 @@ DynamicsEvidence dynamics_evidence(const MusculoskeletalModel& model, const Time
   e.known = static_cast<int>(std::count(known.begin(), known.end(), true));
   e.root = {rms_where(force, known), max_where(force, known), rms_where(moment, known),
             max_where(moment, known)};
-  if (e.loads_given) add_loads(model, forces.time, loads, known, hangs, e);
+  if (e.loads_given) add_loads(model, forces, loads, known, root, hangs, e);
   if (e.by_platforms) {
     add_feet(model, of, forces.time, stance, e);
     // Measured best where nobody moves, then over whole strides; what is left tells roughly.

@@ -8,6 +8,7 @@ namespace sinew::limits {
 
 constexpr const char* kHicks = "Hicks et al. 2015";
 constexpr const char* kOwn = "Sinew";
+constexpr const char* kMcGinley = "McGinley et al. 2009";
 
 // Markers. Published OpenSim trials have an RMS of up to 38 mm (a planar model 30 mm), generic
 // models on another person 68 mm and more, a wrong unit 600 mm.
@@ -29,6 +30,10 @@ constexpr double kSideRatio = 2.5;
 constexpr double kSideRange = 0.7;
 constexpr double kSideRangeRatio = 3.0;
 
+// RMS by which a low-pass changes an angle: errors of gait angles that are acceptable, and that
+// mislead (McGinley, Baker, Wolfe & Morris 2009, Gait Posture 29:360-369) [rad].
+constexpr double kFiltered = 0.035, kWorstFiltered = 0.087;
+
 // Shares of the frames.
 constexpr double kOnBound = 0.1, kWorstOnBound = 0.5;
 constexpr double kUnmeasured = 0.0, kWorstUnmeasured = 0.5;
@@ -42,6 +47,11 @@ constexpr double kWorstResidualForce = 10.0 * kResidualForce;
 // The whole ground force a fifth of the body's height away from where it acts, more than a foot is
 // long (0.152 of the height, Drillis & Contini 1966). Published trials: up to 6 %.
 constexpr double kWorstResidualMoment = 20.0 * kResidualMoment;
+// What pushes sideways, over the weight: in walking 0.1 and more forwards, 0.03 sideways (Winter
+// 2009); less is another's noise. Minus the cosine to what the movement needs: measured ones agree
+// to 0.8 and more.
+constexpr double kLeastPush = 0.02;
+constexpr double kTurnedPush = 0.5;
 // A frame lacks loads where this much of the weight hangs on the root: in walking each leg carries
 // as much for most of its stance.
 constexpr double kUncarried = 0.5;

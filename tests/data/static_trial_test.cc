@@ -92,6 +92,31 @@ TEST(StaticTrial, AnotherPersonIsFoundByTheSegments) {
   EXPECT_EQ(codes(static_trial_reasons(other, person(1.0, 0.5, 1.2))), "");
 }
 
+TEST(StaticTrial, AMarkerThatSatElsewhereIsFoundByItsSegment) {
+  const std::vector<int> segments = {0, 0, 0, 0, 1, 1, 1, 1};
+  const MarkerTrajectories walk = person(1.0, 0.5, 1.2);
+  MarkerTrajectories standing = person(1.0, 0.0, 0.0);
+  EXPECT_EQ(codes(static_marker_reasons(standing, walk, segments)), "");
+  standing.p_WM.col(3 * 1 + 1).array() += 0.06;  // B, upwards
+  std::vector<VerdictReason> reasons = static_marker_reasons(standing, walk, segments);
+  ASSERT_EQ(codes(reasons), "static-marker ");
+  EXPECT_EQ(reasons[0].weight, VerdictReason::Weight::kRemark);
+  EXPECT_NEAR(reasons[0].figure, 60.0, 1.0);
+  EXPECT_EQ(reasons[0].text,
+            "B sat elsewhere among the markers of its segment in the static trial");
+  EXPECT_EQ(reasons[0].remedy, "--drop B, or --scale walk leaves the static trial out");
+  // D is 0.3 m below and 0.3 m to the side: of two alone nothing tells which.
+  reasons = static_marker_reasons(standing, walk, {-1, 0, -1, 0, 1, 1, -1, -1});
+  ASSERT_EQ(codes(reasons), "static-marker ");
+  EXPECT_NEAR(reasons[0].figure, 1e3 * (std::hypot(0.3, 0.36) - std::hypot(0.3, 0.3)), 1.0);
+  EXPECT_EQ(reasons[0].text, "B or D sat elsewhere in the static trial: their distance differs");
+  // Skin that slides is none, and neither are segments that nobody knows.
+  EXPECT_EQ(codes(static_marker_reasons(standing, walk, std::vector<int>(8, -1))), "");
+  standing = person(1.0, 0.0, 0.0);
+  standing.p_WM.col(3 * 1 + 1).array() += 0.02;
+  EXPECT_EQ(codes(static_marker_reasons(standing, walk, segments)), "");
+}
+
 TEST(StaticTrial, NothingMeasuredIsNothingFound) {
   MarkerTrajectories nothing = person(1.0, 0.0, 0.0);
   nothing.p_WM.setConstant(std::nan(""));

@@ -534,7 +534,8 @@ TEST(InverseDynamics, RejectsMotionsThatCannotBeDifferentiated) {
   motion.q = motion.q.topRows(5).eval();
   EXPECT_EQ(
       error_of([&] { inverse_dynamics(model, compiled, motion, {}); }),
-      "swing: cannot be differentiated: differentiation needs at least 6 frames, there are 5");
+      "swing: is too short to be differentiated; expected 6 frames or more, found 5. Take a longer "
+      "record, or a longer part of it.");
   const CoordinateSpline other(Eigen::VectorXd::LinSpaced(6, 0.0, 1.0), RowMatrix::Zero(6, 3));
   EXPECT_EQ(
       error_of([&] { generalized_forces(model, compiled, other, {}, one_time(0.5), {}); }),

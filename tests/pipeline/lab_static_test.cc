@@ -1,6 +1,7 @@
 // A laboratory's static trial: what is fitted to it, and what can be wrong with it.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -60,8 +61,9 @@ class LabStatic : public ::testing::Test {
     std::string codes;
     for (const Json& reason : document["reasons"]) {
       const std::string code = reason["code"];
-      for (const char* known : {"size-limit", "moved-marker", "static-moves", "trials-exchanged",
-                                "other-person", "mass-unit", "static-rms", "static-pose"}) {
+      for (const char* known :
+           {"size-limit", "moved-marker", "static-moves", "trials-exchanged", "other-person",
+            "mass-unit", "static-rms", "static-pose", "static-marker"}) {
         if (code == known) codes += code + ";";
       }
     }
@@ -164,6 +166,28 @@ TEST_F(LabStatic, ALargerSubjectsIsLeftOutByScalingToTheWalk) {
       run("walk.c3d", "larger.trc", "larger_walk", {"--mass", "75", "--scale", "walk"});
   EXPECT_EQ(walk.exit_code, 0) << walk.out;
   EXPECT_TRUE(holds(codes("larger_walk"), "other-person")) << codes("larger_walk");
+}
+
+TEST_F(LabStatic, AMarkerThatWasPutOnAnewIsNamed) {
+  MarkerTrajectories standing = read_trc(path() / "static.trc").markers;
+  const int moved = standing.find_marker("LASI");
+  ASSERT_GE(moved, 0) << fmt::format("{}", fmt::join(standing.names, " "));
+  standing.p_WM.col(3 * moved + 1).array() += 0.06;
+  write_trc(path() / "anew.trc", standing);
+  const Outcome outcome = run("walk.c3d", "anew.trc", "anew", {"--mass", "75"});
+  EXPECT_TRUE(holds(codes("anew"), "static-marker;")) << codes("anew");
+  EXPECT_TRUE(holds(outcome.out, "LASI sat elsewhere among the markers of its segment"))
+      << outcome.out;
+}
+
+TEST_F(LabStatic, AFilterThatTakesTheMovementIsNotUsable) {
+  for (const char* option : {"--cutoff", "--marker-cutoff"}) {
+    const Outcome outcome =
+        run_sinew(path(), {"run", "--c3d", "walk.c3d", "--static", "static.c3d", "--model",
+                           "other.osim", "--mass", "75", option, "0.5", "--out", "flat"});
+    EXPECT_EQ(outcome.exit_code, 1) << option << outcome.out;
+    EXPECT_TRUE(holds(outcome.out, "takes part of the movement away")) << outcome.out;
+  }
 }
 
 TEST_F(LabStatic, AMirroredOneIsNotUsable) {

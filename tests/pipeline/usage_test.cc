@@ -211,8 +211,8 @@ TEST_F(Usage, RefusesBeforeSolvingWhatInverseDynamicsCannotDo) {
                  "walk.trc: cannot be differentiated: the low-pass cutoff of 60 Hz is not below "
                  "half the sampling rate of 100 Hz. Choose a cutoff below 50 Hz.");
   expect_refused(run({"--from", "0.5", "--to", "0.52"}),
-                 "walk.trc: cannot be differentiated: a third-order filter needs at least 4 "
-                 "frames, there are 3. Choose a negative cutoff for no filter.");
+                 "walk.trc: is too short to be differentiated; expected 6 frames or more, found 3. "
+                 "Take a longer record, or a longer part of it.");
   write_storage(path() / "late.mot", SmallTrial::loads(0.5, 1.5));
   files_ = tree_of(path());
   expect_refused(run({"--loads", "grf.xml", "--load-data", "late.mot"}),

@@ -102,6 +102,21 @@ TEST_F(Evidence, OfDynamicsByATable) {
   EXPECT_TRUE(std::isnan(none.carried_mass));
 }
 
+// A force of 100 N forwards while the movement needs 40 N backwards, of which nothing acts.
+TEST_F(Evidence, OfPushesAgainstTheMovement) {
+  TimeTable table = SmallTrial::loads(0.0, 1.5);
+  table.values.col(0).setConstant(100.0);
+  write_storage(folder_.path() / "grf.mot", table);
+  TimeTable left = forces(60);
+  left.values.col(1).head(60).setConstant(-140.0);
+  const DynamicsEvidence e = dynamics_evidence(model_, left, loads(), {});
+  ASSERT_EQ(e.pushes.size(), 1u);
+  EXPECT_EQ(e.pushes[0].axis, "x");
+  EXPECT_NEAR(e.pushes[0].load_rms, 100.0, 1e-9);
+  EXPECT_NEAR(e.pushes[0].need_rms, 40.0, 1e-9);
+  EXPECT_NEAR(e.pushes[0].cosine, -1.0, 1e-12);
+}
+
 TEST_F(Evidence, OfDynamicsByPlatforms) {
   LoadCoverage coverage{{"right", "left"}, {}};
   for (int f = 0; f < 110; ++f) {

@@ -221,6 +221,12 @@ TEST(JudgeDynamics, LooksAtTheLoadsDirectionAndSum) {
   d.horizontal_load_rms = 741.0;
   expect_reason(judge_dynamics(d), "loads-sideways", Weight::kRemark, 741.0, 740.0, "N");
   d = good_dynamics();
+  d.pushes = {{"x", 90.0, 95.0, 0.97}, {"z", 30.0, 28.0, -0.6}};
+  expect_reason(judge_dynamics(d), "loads-turned", Weight::kUnusable, 0.6, 0.5, "");
+  EXPECT_EQ(find(judge_dynamics(d), "loads-turned")->torques, d.supporting);
+  d.pushes[1].load_rms = 0.01 * d.weight;  // little, as of an offset
+  EXPECT_TRUE(judge_dynamics(d).empty());
+  d = good_dynamics();
   d.carried_mass = 60.0;  // the model has a quarter more
   expect_reason(judge_dynamics(d), "mass-carried", Weight::kRemark, 25.0, 3.0, "%");
   d.carried_mass = 75.0 / 2.2046;  // entered in pounds
