@@ -9,12 +9,11 @@
 #include <utility>
 
 #include "data/c3d_bytes.h"
+#include "data/numbers.h"
 #include "data/text.h"
 
 namespace sinew::c3d {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 void decode_reals(C3dProcessor processor, const unsigned char* bytes, std::vector<float>& out) {
   if (processor == C3dProcessor::kIntel && std::endian::native == std::endian::little) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "data/marker_synonyms.h"
+#include "data/numbers.h"
 #include "data/statistics.h"
 #include "data/text.h"
 
@@ -73,7 +74,7 @@ std::vector<int> some_frames(int count) {
 }
 
 struct Distance {
-  double mean = std::numeric_limits<double>::quiet_NaN(), sd = mean;
+  double mean = kNaN, sd = mean;
 };
 Distance distance(const MarkerTrajectories& markers, int a, int b, const std::vector<int>& frames) {
   double sum = 0.0, squares = 0.0;

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "data/butterworth.h"
 #include "data/natural_spline.h"
+#include "data/numbers.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // What the filter's reflected ends need to say anything.
 constexpr Eigen::Index kShortest = 6;
 // Times printed to milliseconds at 1000 Hz are exact, at 120 Hz off by 6 % of a step at most; two

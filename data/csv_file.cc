@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "data/numbers.h"
 #include "data/open_end.h"
 #include "data/output_file.h"
 #include "data/text.h"
@@ -16,7 +16,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kTimeNames[] = {"time", "t", "time_s", "time [s]", "time(s)", "time (s)"};
 
 [[noreturn]] void fail(const std::string& path, int line, InputError::Parts parts) {

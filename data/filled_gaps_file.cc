@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "data/csv_file.h"
 #include "data/gap_filling.h"
+#include "data/numbers.h"
 #include "data/text.h"
 
 namespace sinew {
@@ -28,7 +28,7 @@ std::optional<FilledGap::Method> method_called(const std::string& name) {
 
 // Method and error, of which lists of other programs may have neither.
 bool read_quality(const std::vector<std::string>& cells, FilledGap& filled) {
-  filled.error = std::numeric_limits<double>::quiet_NaN();
+  filled.error = kNaN;
   if (cells.size() > 6 && !cells[6].empty()) {
     const auto method = method_called(cells[6]);
     if (!method) return false;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "data/marker_trajectories.h"
+#include "data/numbers.h"
 
 namespace sinew {
 
@@ -22,9 +22,9 @@ struct Finding {
   std::string text;   // what it is, with figures; a sentence without its full stop
   std::string file;   // detectors leave it empty
   std::string where;  // marker, channel or platform; empty: the whole file
-  std::optional<int> first_frame, last_frame;              // as the file numbers them
-  double from = std::numeric_limits<double>::quiet_NaN(),  // [s]; NaN: the whole record
-      to = std::numeric_limits<double>::quiet_NaN();
+  std::optional<int> first_frame, last_frame;  // as the file numbers them
+  double from = kNaN,                          // [s]; NaN: the whole record
+      to = kNaN;
   double confidence = 0.0;          // 0 to 1
   std::string command = "convert";  // of sinew, whose options mend it
   // These options; none mends it where empty. Of other commands than convert they name the files.

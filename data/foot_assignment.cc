@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "data/foot_motion.h"
+#include "data/numbers.h"
 
 namespace sinew {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Someone's heel or toe rebounds for less; a step of a run lasts 150 ms and more.
 constexpr double kLongestBreak = 0.03, kShortestContact = 0.05;  // [s]
 // Half a foot's width and what markers, corners and centres of pressure are off.

@@ -3,17 +3,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "data/foot_assignment.h"
 #include "data/force_table.h"
+#include "data/numbers.h"
 
 namespace sinew {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The loads of one foot at one sample: those that carry it, by platform.
 struct Load {

@@ -1,9 +1,10 @@
 #include "data/foot_markers.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
+
+#include "data/numbers.h"
 
 namespace sinew {
 namespace {
@@ -67,7 +68,7 @@ Vector3d mean_position(const MarkerTrajectories& markers, int frame,
     sum += p;
     ++count;
   }
-  return sum / (count > 0 ? count : std::numeric_limits<double>::quiet_NaN());
+  return sum / (count > 0 ? count : kNaN);
 }
 
 Vector3d facing_in(const MarkerTrajectories& markers, int frame, const FeetMarkers& feet,

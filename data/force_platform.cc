@@ -5,17 +5,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "data/numbers.h"
 #include "data/statistics.h"
 
 namespace sinew {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Offsets of amplifiers are tens of newtons; more than that is someone's weight, unless peaks are
 // higher by far.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "data/c3d_file.h"
+#include "data/numbers.h"
 
 namespace sinew {
 
@@ -33,7 +34,7 @@ struct ForcePlatform {
 struct ForcePlatformOptions {
   // Below this force along the platform's normal there is no centre of pressure [N]. 20 N is what
   // gait laboratories use: noise of 2 N moves the centre by less than a tenth of the platform.
-  double threshold = 20.0;
+  double threshold = kContactForce;
   // Subtract the mean over the frames that FORCE_PLATFORM:ZERO names, if the platform is not loaded
   // then.
   bool subtract_baseline = true;

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+
+#include "data/numbers.h"
 
 namespace sinew {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Rows per second, or 0 if steps differ by more than 1 %.
 double even_rate(const Eigen::VectorXd& time) {

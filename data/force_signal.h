@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "data/force_platform.h"
+#include "data/numbers.h"
 #include "data/time_table.h"
 
 namespace sinew {
@@ -42,7 +43,7 @@ struct ForceContact {
 struct ForceContactOptions {
   // A contact begins where the force rises to this and ends where it has fallen below `release`,
   // so that noise about one limit makes no steps [N]. 20 N is what laboratories use.
-  double threshold = 20.0, release = 10.0;
+  double threshold = kContactForce, release = 0.5 * kContactForce;
   double shortest = 0.05;    // [s]; a rebound of the heel lasts less
   double least_peak = 50.0;  // [N]; a lower one is no step
 

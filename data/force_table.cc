@@ -4,18 +4,16 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "data/conditioning.h"
 #include "data/laboratory_axes.h"
+#include "data/numbers.h"
 
 namespace sinew {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 bool has_loads(const ForcePlatformRecording& recording) {
   return recording.platform.usable() && recording.platform.has_moments &&

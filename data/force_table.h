@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "data/force_platform.h"
+#include "data/numbers.h"
 #include "data/time_table.h"
 
 namespace sinew {
@@ -15,7 +16,7 @@ void rotate(ForcePlatformRecording& recording, const Eigen::Matrix3d& R_MW);
 struct ForceConditioning {
   std::optional<double> cutoff = {};  // zero-lag low-pass [Hz]; none where empty
   std::optional<double> rate = {};    // resample at [Hz]; as it is where empty
-  double threshold = 20.0;            // as ForcePlatformOptions::threshold [N]
+  double threshold = kContactForce;   // as ForcePlatformOptions::threshold [N]
 };
 
 /// Filters and resamples force and moment about the platform's centre C, a fixed point, and

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "data/conditioning.h"
+#include "data/numbers.h"
 #include "data/text.h"
 
 namespace sinew {
@@ -15,7 +16,6 @@ namespace {
 using Eigen::Vector3d;
 using Kind = GaitEvent::Kind;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Half a foot's length and what markers and corners are off.
 constexpr double kNear = 0.25;  // [m]
 // Of the nearer foot's distance; beyond it both are as near.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include "data/foot_markers.h"
 #include "data/force_signal.h"
 #include "data/marker_trajectories.h"
+#include "data/numbers.h"
 
 namespace sinew {
 
@@ -20,9 +20,9 @@ struct GaitEvent {
   double time = 0.0;        // [s]; by forces if there, else by the file, else by kinematics
   int plate = 0;            // the platform's number; 0: none, or a table's force
   // When each source says; NaN where it says nothing.
-  double by_forces = std::numeric_limits<double>::quiet_NaN();
-  double by_file = std::numeric_limits<double>::quiet_NaN();
-  double by_kinematics = std::numeric_limits<double>::quiet_NaN();
+  double by_forces = kNaN;
+  double by_file = kNaN;
+  double by_kinematics = kNaN;
 
   bool operator==(const GaitEvent&) const = default;
 };

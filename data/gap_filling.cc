@@ -5,17 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "data/csv_file.h"
 #include "data/gap_prediction.h"
+#include "data/numbers.h"
 #include "data/text.h"
 
 namespace sinew {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // A prediction with its method and how far such predictions are off; NaN where nothing tells.
 struct Choice {

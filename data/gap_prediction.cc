@@ -3,10 +3,10 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "data/natural_spline.h"
+#include "data/numbers.h"
 #include "data/rigid_fit.h"
 
 namespace sinew {
@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Beyond ten frames a cubic spline forgets its data: each decays by 0.27.
 constexpr int kSplineFrames = 10;
 constexpr int kFewestNeighbours = 2;

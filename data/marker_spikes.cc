@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "data/numbers.h"
 #include "data/statistics.h"
 
 namespace sinew {
@@ -38,7 +39,7 @@ Eigen::MatrixX3d middles(const MarkerTrajectories& markers) {
         const double value = markers.p_WM(f, 3 * i + k);
         if (!std::isnan(value)) values.push_back(value);
       }
-      result(f, k) = values.size() < 4 ? std::numeric_limits<double>::quiet_NaN() : median(values);
+      result(f, k) = values.size() < 4 ? kNaN : median(values);
     }
   }
   return result;
@@ -293,7 +294,7 @@ std::vector<MarkerSpike> find_marker_spikes(const MarkerTrajectories& markers,
 void leave_out(MarkerTrajectories& markers, const std::vector<MarkerSpike>& spikes) {
   for (const MarkerSpike& spike : spikes) {
     markers.p_WM.block(spike.first, 3 * spike.marker, spike.last - spike.first + 1, 3)
-        .setConstant(std::numeric_limits<double>::quiet_NaN());
+        .setConstant(kNaN);
   }
 }
 

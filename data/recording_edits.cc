@@ -13,6 +13,7 @@
 #include "data/finding.h"
 #include "data/force_platform.h"
 #include "data/marker_names.h"
+#include "data/numbers.h"
 #include "data/sample_spikes.h"
 #include "data/text.h"
 
@@ -109,8 +110,7 @@ void drop(MarkerTrajectories& markers, C3dQuality* quality, const MarkerDrop& wh
     return drop_column(markers, quality, marker);
   }
   const auto [first, end] = frames_between(markers, what.from, what.to, "--drop");
-  markers.p_WM.block(first, 3 * marker, end - first, 3)
-      .setConstant(std::numeric_limits<double>::quiet_NaN());
+  markers.p_WM.block(first, 3 * marker, end - first, 3).setConstant(kNaN);
 }
 
 void swap_sides(MarkerTrajectories& markers) {

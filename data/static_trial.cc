@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "data/numbers.h"
 #include "data/rigid_fit.h"
 #include "data/statistics.h"
 
@@ -124,7 +125,7 @@ struct Common {
 // How far a marker of a segment sits from where the others carry its place to, and how well those
 // fit, on average over the moving trial [m].
 struct Carried {
-  double change = std::numeric_limits<double>::quiet_NaN();  // where they do not tell it
+  double change = kNaN;  // where they do not tell it
   double misfit = std::numeric_limits<double>::infinity();
 };
 

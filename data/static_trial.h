@@ -1,11 +1,11 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "data/finding.h"
 #include "data/marker_trajectories.h"
+#include "data/numbers.h"
 #include "data/verdict_reason.h"
 
 namespace sinew {
@@ -14,11 +14,10 @@ namespace sinew {
 struct TrialMovement {
   // RMS over the markers of how far they are from where each is in the middle of the trial, which
   // 95 % of the frames stay below [m].
-  double sway = std::numeric_limits<double>::quiet_NaN();
+  double sway = kNaN;
   // The stretch of a quarter of a second with the least sway, made as long as its sway stays below
   // the limit of standing [s]; NaN where there is none.
-  double still_from = std::numeric_limits<double>::quiet_NaN(),
-         still_to = std::numeric_limits<double>::quiet_NaN();
+  double still_from = kNaN, still_to = kNaN;
 };
 
 /// At most 400 frames are looked at. O(frames · markers).
@@ -34,7 +33,7 @@ struct SegmentAgreement {
   int pairs = 0;
   // A quarter of the pairs differ by less [m]; NaN without pairs. Trunks that lean and heads that
   // turn in one trial only are in the other three quarters.
-  double difference = std::numeric_limits<double>::quiet_NaN();
+  double difference = kNaN;
 };
 
 /// Of markers with the same name that are 0.15 m or more apart and keep their distance to 10 mm

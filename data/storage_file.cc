@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 
+#include "data/numbers.h"
 #include "data/open_end.h"
 #include "data/output_file.h"
 #include "data/storage_header.h"
@@ -22,8 +22,6 @@ using storage::Promise;
 using text::Line;
 using text::LineReader;
 using Cells = std::vector<std::string_view>;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void fail(const std::string& path, int line, InputError::Parts parts) {
   throw InputError({path, line}, std::move(parts));

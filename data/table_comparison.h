@@ -1,10 +1,10 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "data/numbers.h"
 #include "data/time_table.h"
 
 namespace sinew {
@@ -12,8 +12,6 @@ namespace sinew {
 /// How far a column x of a result is from the column y of the same name in the truth, over the rows
 /// where both are numbers. In the columns' own unit.
 struct ColumnComparison {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
   std::string label;
   int rows = 0;                  // compared
   double mean = kNaN;            // of x − y

@@ -10,12 +10,12 @@
 
 #include "data/input_error.h"
 #include "data/input_file.h"
+#include "data/numbers.h"
 
 namespace sinew::text {
 namespace {
 
 constexpr std::string_view kWhiteSpace = " \t\r\n\v\f";
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 char lower_char(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }

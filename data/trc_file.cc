@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "data/numbers.h"
 #include "data/open_end.h"
 #include "data/output_file.h"
 #include "data/text.h"
@@ -23,8 +24,6 @@ using trc::Header;
 using trc::kLeadingCells;
 using trc::Layout;
 using Cells = std::vector<std::string_view>;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void fail(const std::string& path, int line, InputError::Parts parts) {
   throw InputError({path, line}, std::move(parts));

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
+
+#include "data/numbers.h"
 
 namespace sinew {
 
@@ -18,8 +19,7 @@ struct VerdictReason {
   std::string code;  // stable, for scripts: "marker-rms", "moved-marker", …
   std::string text;  // a sentence without its full stop: "one of the thighs has no marker"
   // What was found and the limit that it is held against, in `unit`; NaN where there is none.
-  double figure = std::numeric_limits<double>::quiet_NaN(),
-         limit = std::numeric_limits<double>::quiet_NaN();
+  double figure = kNaN, limit = kNaN;
   std::string unit;    // "mm", "%", …
   std::string source;  // where the limit is from; "Sinew" for our own
   std::string remedy;  // what to do, with the option that helps

@@ -40,8 +40,8 @@ Step step_at(const ReferenceWalk& walk, const WalkFoot& foot, double phase) {
 
 }  // namespace
 
-std::vector<FootLoad> share_wrench(const ReferenceWalk& walk, double time, const Vector3d& p_WC,
-                                   const Vector6d& wrench) {
+std::vector<FloorLoad> share_wrench(const ReferenceWalk& walk, double time, const Vector3d& p_WC,
+                                    const Vector6d& wrench) {
   const Vector3d M = wrench.head<3>(), F = wrench.tail<3>();
   if (!(F.y() > 0.0)) {
     throw std::invalid_argument(
@@ -57,11 +57,11 @@ std::vector<FootLoad> share_wrench(const ReferenceWalk& walk, double time, const
   }
   offset.y() = 0.0;
 
-  std::vector<FootLoad> loads(steps.size());
+  std::vector<FloorLoad> loads(steps.size());
   Vector3d rest = F;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (steps[i].share == 0.0) continue;
-    FootLoad& load = loads[i];
+    FloorLoad& load = loads[i];
     load.point = steps[i].pressure + offset;
     load.point.y() = 0.0;
     load.force = steps[i].share * F.y() / p_WC.y() * (p_WC - load.point);

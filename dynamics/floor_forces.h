@@ -9,7 +9,7 @@
 namespace sinew {
 
 /// Force on a foot, at a point of the floor, and torque, about the vertical; all in the world.
-struct FootLoad {
+struct FloorLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // [N]
   Eigen::Vector3d point = Eigen::Vector3d::Zero();   // [m]
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // [N m]
@@ -24,7 +24,7 @@ struct FootLoad {
 /// with mass centre C and e_h what the forces towards it leave of F_h: in double support the feet
 /// push against each other as walking feet do. The free moment is shared as s_i.
 /// Throws std::invalid_argument if F_y is not positive.
-std::vector<FootLoad> share_wrench(const ReferenceWalk& walk, double time,
-                                   const Eigen::Vector3d& p_WC, const Vector6d& wrench);
+std::vector<FloorLoad> share_wrench(const ReferenceWalk& walk, double time,
+                                    const Eigen::Vector3d& p_WC, const Vector6d& wrench);
 
 }  // namespace sinew

@@ -83,7 +83,7 @@ Vector6d ReferenceDynamics::required_wrench() {
 }
 
 Eigen::VectorXd ReferenceDynamics::generalized_forces(std::span<const int> bodies,
-                                                      std::span<const FootLoad> loads) {
+                                                      std::span<const FloorLoad> loads) {
   applied_ = gravity_;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const int body = skeleton_.bodies[static_cast<std::size_t>(bodies[i])];

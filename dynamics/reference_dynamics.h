@@ -28,7 +28,7 @@ class ReferenceDynamics {
   Vector6d required_wrench();
   /// By coordinate of the model, zero for virtual links; `bodies` of the model are those that
   /// `loads` act on.
-  Eigen::VectorXd generalized_forces(std::span<const int> bodies, std::span<const FootLoad> loads);
+  Eigen::VectorXd generalized_forces(std::span<const int> bodies, std::span<const FloorLoad> loads);
 
  private:
   Eigen::VectorXd solve(const SimTK::Vector_<SimTK::SpatialVec>& applied);

@@ -83,7 +83,7 @@ class Recorder {
   }
 
   std::vector<double> q, q_dot, q_ddot;
-  std::vector<FootLoad> loads;
+  std::vector<FloorLoad> loads;
 
  private:
   const ReferenceWalk& walk_;
@@ -200,7 +200,7 @@ ReferenceRecording make_reference_recording(const MusculoskeletalModel& model,
   for (Eigen::Index i = 0; i < r.forces.time.size(); ++i) {
     recorder.move_to(r.forces.time[i]);
     Eigen::Index column = 0;
-    for (const FootLoad& load : recorder.loads) {
+    for (const FloorLoad& load : recorder.loads) {
       r.forces.values.row(i).segment<9>(column) << load.force.transpose(), load.point.transpose(),
           load.torque.transpose();
       column += 9;

@@ -110,11 +110,11 @@ AssemblerSolver::Frame AssemblerSolver::solve(const IkTargets& targets, double t
   return frame;
 }
 
-void ComparisonOptions::validate() const {
+void AssemblerComparisonOptions::validate() const {
   minimizer.validate();
   const auto reject = [](const char* field, double value, const char* bound) {
     throw std::invalid_argument(
-        fmt::format("ComparisonOptions.{} is {}; expected {}", field, value, bound));
+        fmt::format("AssemblerComparisonOptions.{} is {}; expected {}", field, value, bound));
   };
   if (!(accuracy > 0.0 && accuracy < 1.0)) reject("accuracy", accuracy, "more than 0, less than 1");
   if (every < 1) reject("every", every, "1 or more");
@@ -154,7 +154,7 @@ class PlainCost {
 Comparison compare_with_assembler(const MusculoskeletalModel& model, const KinematicTree& tree,
                                   const TrackingProblem& tracking,
                                   const MarkerTrajectories& markers,
-                                  const ComparisonOptions& options) {
+                                  const AssemblerComparisonOptions& options) {
   options.validate();
   const int end = options.end_frame < 0 ? markers.frame_count() : options.end_frame;
   const PlainCost plain_cost(model, markers, tracking);

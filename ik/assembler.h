@@ -41,7 +41,7 @@ class AssemblerSolver {
   std::unique_ptr<Simbody> simbody_;
 };
 
-struct ComparisonOptions {
+struct AssemblerComparisonOptions {
   MinimizerOptions minimizer;
   ColdStartOptions cold_start;
   double accuracy = 1e-7;  // of the Assembler
@@ -85,6 +85,6 @@ struct Comparison {
 Comparison compare_with_assembler(const MusculoskeletalModel& model, const KinematicTree& tree,
                                   const TrackingProblem& tracking,
                                   const MarkerTrajectories& markers,
-                                  const ComparisonOptions& options);
+                                  const AssemblerComparisonOptions& options);
 
 }  // namespace sinew

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "data/marker_trajectories.h"
+#include "data/numbers.h"
 #include "ik/tracking.h"
 
 namespace sinew {
@@ -25,7 +25,7 @@ constexpr double kWeightTaper = 0.2;
 struct FilledStretch {
   std::string marker;
   int first = 0, count = 0;
-  double error = std::numeric_limits<double>::quiet_NaN();
+  double error = kNaN;
 };
 
 /// The weight of a filled sample beside that of a measured one, 1,

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "data/numbers.h"
+
 namespace sinew {
 namespace {
 
@@ -59,7 +61,7 @@ class CostAlong {
 };
 
 struct Quotient {
-  double value = std::numeric_limits<double>::quiet_NaN();
+  double value = kNaN;
   double uncertainty = std::numeric_limits<double>::infinity();
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data/input_error.h"
+#include "data/numbers.h"
 #include "model/scalar_function.h"
 #include "model/spatial.h"
 
@@ -15,8 +16,6 @@
 /// coordinates and so on refer to each other by index. Index 0 of `bodies` is ground, and every
 /// body stands after its parent, so that one loop over the bodies goes from the root outward.
 namespace sinew {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Body {
   std::string name;

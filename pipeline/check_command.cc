@@ -3,6 +3,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "data/numbers.h"
 #include "data/output_file.h"
 #include "data/preflight_gaps.h"
 #include "pipeline/check_report.h"
@@ -21,7 +22,7 @@ namespace {
 struct CheckCommand {
   std::vector<std::string> files;
   std::string model, static_trial, json, events;
-  double threshold = 20.0;  // [N]
+  double threshold = kContactForce;  // [N]
 
   int run() {
     InputFiles inputs;

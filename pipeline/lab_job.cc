@@ -8,6 +8,7 @@
 #include "data/input_file.h"
 #include "data/marker_matching.h"
 #include "data/mass_unit.h"
+#include "data/numbers.h"
 #include "data/output_file.h"
 #include "data/static_trial.h"
 #include "data/storage_file.h"
@@ -31,9 +32,6 @@ namespace sinew {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Below it noise of 2 N would move a centre of pressure by a tenth of the platform.
-constexpr double kThreshold = 20.0;  // [N]
 
 constexpr double kWorthSaying = 0.6;  // likely or more
 
@@ -65,7 +63,7 @@ class Preparation {
     gather_inputs();
     threshold_ = log_.settle_number({"threshold",
                                      {},
-                                     kThreshold,
+                                     kContactForce,
                                      "[N] what laboratories use",
                                      {},
                                      "",
@@ -325,7 +323,7 @@ class Preparation {
   const fs::path folder_;
   DecisionLog& log_;
   std::vector<Warning>& warnings_;
-  double threshold_ = kThreshold;
+  double threshold_ = kContactForce;
   SubjectParameters entered_;
   std::optional<double> entered_mass_, standing_mass_;  // [kg]
   MusculoskeletalModel model_;

@@ -7,6 +7,7 @@
 #include "data/finding.h"
 #include "data/force_platform.h"
 #include "data/marker_trajectories.h"
+#include "data/numbers.h"
 #include "data/time_table.h"
 #include "model/musculoskeletal_model.h"
 
@@ -36,7 +37,7 @@ struct PreflightInputs {
   const MusculoskeletalModel* model = nullptr;
   std::string model_path;
   // Below this a platform carries nothing [N].
-  double threshold = 20.0;
+  double threshold = kContactForce;
 };
 
 /// What would spoil a run, found before anything is solved: findings by recording, in the order of

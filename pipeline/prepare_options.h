@@ -6,6 +6,7 @@
 
 #include "data/gap_filling.h"
 #include "data/laboratory_axes.h"
+#include "data/numbers.h"
 #include "pipeline/edit_options.h"
 
 namespace sinew {
@@ -16,9 +17,9 @@ struct PrepareOptions {
   std::optional<double> marker_cutoff, force_cutoff, analog_cutoff, rate;  // [Hz]
   std::optional<double> max_gap;                                           // [s]
   bool fill_rigid = false;
-  std::string segments_from;  // model whose bodies say which markers move together
-  double threshold = 20.0;    // [N]
-  EditOptions edit;           // what is put right before all of this
+  std::string segments_from;         // model whose bodies say which markers move together
+  double threshold = kContactForce;  // [N]
+  EditOptions edit;                  // what is put right before all of this
 
   void add_to(CLI::App& command);
   std::optional<Eigen::Vector3d> up_axis() const { return parse_axis(up); }

@@ -21,8 +21,8 @@ namespace {
 struct ValidateCommand {
   IkOptions ik;
   int every = 1;
-  double accuracy = ComparisonOptions{}.accuracy;
-  double tolerance = ComparisonOptions{}.tolerance;
+  double accuracy = AssemblerComparisonOptions{}.accuracy;
+  double tolerance = AssemblerComparisonOptions{}.tolerance;
   std::string json;
 
   int run() const {
@@ -32,7 +32,7 @@ struct ValidateCommand {
     const IkJob job = prepare_ik(inputs);
     std::vector<Warning> warnings;
     report(warnings, job.warnings);
-    ComparisonOptions options;
+    AssemblerComparisonOptions options;
     options.minimizer = job.options.minimizer;
     options.cold_start = job.options.cold_start;
     options.accuracy = accuracy;

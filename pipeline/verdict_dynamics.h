@@ -1,9 +1,9 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "data/numbers.h"
 #include "data/verdict_reason.h"
 
 namespace sinew {
@@ -19,39 +19,38 @@ struct FootEvidence {
 /// What is left at the root, where no actuator acts: RMS and largest length of the vector over
 /// frames. Moments about the root's own axes are taken for the components of one vector.
 struct RootResidual {
-  double force_rms = std::numeric_limits<double>::quiet_NaN();  // [N]
-  double force_max = std::numeric_limits<double>::quiet_NaN();
-  double moment_rms = std::numeric_limits<double>::quiet_NaN();  // [N m]
-  double moment_max = std::numeric_limits<double>::quiet_NaN();
+  double force_rms = kNaN;  // [N]
+  double force_max = kNaN;
+  double moment_rms = kNaN;  // [N m]
+  double moment_max = kNaN;
 };
 
 /// Along one horizontal axis of ground: the loads' sum against what the body's movement needs,
 /// which is that sum and what is left at the root. Over the known frames.
 struct PushEvidence {
-  std::string axis;                                            // "x" …
-  double load_rms = std::numeric_limits<double>::quiet_NaN();  // [N]
-  double need_rms = std::numeric_limits<double>::quiet_NaN();  // [N]
-  double cosine = std::numeric_limits<double>::quiet_NaN();    // between both, over the frames
+  std::string axis;        // "x" …
+  double load_rms = kNaN;  // [N]
+  double need_rms = kNaN;  // [N]
+  double cosine = kNaN;    // between both, over the frames
 };
 
 struct DynamicsEvidence {
   bool floating = false;  // nothing but loads holds the model
   bool loads_given = false;
   bool by_platforms = false;  // whether each frame's loads are complete was told by platforms
-  double weight = std::numeric_limits<double>::quiet_NaN();  // of the model [N]
-  double height = std::numeric_limits<double>::quiet_NaN();  // [m]
+  double weight = kNaN;       // of the model [N]
+  double height = kNaN;       // [m]
   int frames = 0;
   int known = 0;  // frames in which all loads are known; without platforms: in which less than half
                   // of the weight hangs on the root
-  double peak_load =
-      std::numeric_limits<double>::quiet_NaN();  // largest length of all loads' sum [N]
+  double peak_load = kNaN;  // largest length of all loads' sum [N]
   // Of all loads' sum, over the frames [N]. NaN where not all are given in ground's axes.
-  double mean_vertical_load = std::numeric_limits<double>::quiet_NaN();
-  double vertical_load_rms = std::numeric_limits<double>::quiet_NaN();
-  double horizontal_load_rms = std::numeric_limits<double>::quiet_NaN();
+  double mean_vertical_load = kNaN;
+  double vertical_load_rms = kNaN;
+  double horizontal_load_rms = kNaN;
   // Mass that the loads carry [kg]: by platforms over strides or in the static trial, else over the
   // known frames.
-  double carried_mass = std::numeric_limits<double>::quiet_NaN();
+  double carried_mass = kNaN;
   bool mass_of_some_frames = true;
   std::vector<PushEvidence> pushes;
   RootResidual root;                     // over the known frames, or over all if there are none

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "data/numbers.h"
 #include "data/verdict_reason.h"
 
 namespace sinew {
@@ -11,10 +11,10 @@ namespace sinew {
 /// One tracked marker over the frames.
 struct MarkerEvidence {
   std::string name;
-  int measured = 0;                                       // frames
-  double rms = std::numeric_limits<double>::quiet_NaN();  // [m]
-  double max = std::numeric_limits<double>::quiet_NaN();  // [m]
-  int side = 0;                                           // −1 left, 1 right, 0 neither
+  int measured = 0;                 // frames
+  double rms = kNaN;                // [m]
+  double max = kNaN;                // [m]
+  int side = 0;                     // −1 left, 1 right, 0 neither
   std::vector<std::string> angles;  // coordinates of the joint that carries its body
 };
 
@@ -30,9 +30,9 @@ struct CoordinateEvidence {
 
 struct KinematicsEvidence {
   int frames = 0, unconverged = 0, unmeasured = 0;
-  double marker_rms = std::numeric_limits<double>::quiet_NaN();  // of all [m]
-  double static_rms = std::numeric_limits<double>::quiet_NaN();  // of the trial scaled by [m]
-  double filled = 0.0;  // share of the tracked samples that were filled in
+  double marker_rms = kNaN;  // of all [m]
+  double static_rms = kNaN;  // of the trial scaled by [m]
+  double filled = 0.0;       // share of the tracked samples that were filled in
   double fallen = 0.0;  // share of the frames in which a person's feet are not below the pelvis
   std::vector<MarkerEvidence> markers;
   std::vector<CoordinateEvidence> coordinates;

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "data/numbers.h"
 #include "data/verdict_reason.h"
 
 namespace sinew {
@@ -16,10 +16,9 @@ struct SideLength {
 
 /// What a model says of the person that it stands for.
 struct ModelEvidence {
-  double mass = std::numeric_limits<double>::quiet_NaN();  // [kg]
-  bool stands = false;  // it has two feet, so that height and mass can be judged together
-  double height =
-      std::numeric_limits<double>::quiet_NaN();  // of whoever stands; else its extent [m]
+  double mass = kNaN;    // [kg]
+  bool stands = false;   // it has two feet, so that height and mass can be judged together
+  double height = kNaN;  // of whoever stands; else its extent [m]
   std::vector<SideLength> sides;
 
   bool operator==(const ModelEvidence&) const = default;
@@ -39,7 +38,7 @@ struct ScaleEvidence {
   bool converged = true;
   // In the pose that was found, of the weighted markers, before markers were moved, or, where sizes
   // and places were fitted, after that [m]. NaN where no pose was found.
-  double pose_rms = std::numeric_limits<double>::quiet_NaN();
+  double pose_rms = kNaN;
   struct MovedMarker {
     std::string name;
     double distance = 0.0;  // [m]

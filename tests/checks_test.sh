@@ -32,26 +32,34 @@ passes() {
   fi
 }
 
-# refuses CHECK EXPECTED FILE CONTENT: the clean tree with one file more is refused, and what is
-# printed contains EXPECTED.
+# refuses CHECK EXPECTED FILE CONTENT [FILE CONTENT]: the clean tree with these files is refused, and
+# what is printed contains EXPECTED.
 refuses() {
-  local output status=0
+  local check=$1 expected=$2 file=$3 output status=0
   clean_tree
-  mkdir -p "$(dirname "$tree/$3")"
-  printf '%b' "$4" >"$tree/$3"
-  output=$("$tests/check_$1" "$tree" 2>&1) || status=$?
-  if [[ $1 == format && $status == 77 ]]; then
+  shift 2
+  while (($# > 0)); do
+    mkdir -p "$(dirname "$tree/$1")"
+    printf '%b' "$2" >"$tree/$1"
+    shift 2
+  done
+  output=$("$tests/check_$check" "$tree" 2>&1) || status=$?
+  if [[ $check == format && $status == 77 ]]; then
     return
   fi
-  if [[ $status == 0 || $output != *"$2"* ]]; then
+  if [[ $status == 0 || $output != *"$expected"* ]]; then
     failures=$((failures + 1))
     printf 'check_%s on %s: exit %s; expected a failure with\n  %s\nfound\n%s\n' \
-      "$1" "$3" "$status" "$2" "$output"
+      "$check" "$file" "$status" "$expected" "$output"
   fi
 }
 
 once='#pragma once\n'
 clean_tree
+# Types of the same name that never meet.
+printf '#pragma once\nnamespace sinew::trc {\nstruct Load {};\n}\n' >"$tree/data/trc.h"
+printf '#pragma once\nnamespace sinew {\nstruct Load {};\n}\n' >"$tree/data/load.h"
+printf 'namespace sinew {\nnamespace {\nstruct Load {};\n}  // namespace\n' >"$tree/ik/load.cc"
 for check in layers text; do passes $check; done
 
 refuses layers 'data/bad.h:3: data/ includes model/own.h; includes point left only: data <- model' \
@@ -74,6 +82,10 @@ refuses layers 'ik/bad.cc:1: include "model/simbody.h" instead of SimTKmath.h' \
   ik/bad.cc '#include <SimTKmath.h>\n'
 refuses layers 'dynamics/bad.cc:1: dynamics/ includes CLI/CLI.hpp; only pipeline/' \
   dynamics/bad.cc '#include <CLI/CLI.hpp>\n'
+refuses layers 'ik/own.h:3: Load is defined in data/bad.h:3 too' data/bad.h \
+  "$once\nstruct Load {};\n" ik/own.h "$once\nenum class Load { kNone };\n"
+refuses layers 'ik/bad.cc:2: sinew::Load is defined in data/bad.h:3 too' data/bad.h \
+  "${once}namespace sinew {\nstruct Load final : Other {\n};\n" ik/bad.cc 'namespace sinew {\nclass Load {};\n}\n'
 refuses layers 'ik/bad.h:1: has no #pragma once' ik/bad.h 'int x;\n'
 refuses layers 'ik/empty.h:1: has no #pragma once' ik/empty.h ''
 refuses layers 'utils/: unknown at the root' utils/bad.h "$once"

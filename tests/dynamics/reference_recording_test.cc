@@ -179,7 +179,7 @@ TEST(ShareWrench, FeetTogetherAreTheWrench) {
   wrench << -20.0, 15.0, 40.0, 30.0, 800.0, -25.0;
   for (const double t : {0.0, 0.03, 0.07, 0.2, 0.57, 0.6, 1.1, 2.0}) {
     Vector6d sum = Vector6d::Zero();
-    for (const FootLoad& load : share_wrench(walk, t, {0.2, 1.0, 0.0}, wrench)) {
+    for (const FloorLoad& load : share_wrench(walk, t, {0.2, 1.0, 0.0}, wrench)) {
       EXPECT_EQ(load.point.y(), 0.0);
       sum.head<3>() += load.point.cross(load.force) + load.torque;
       sum.tail<3>() += load.force;

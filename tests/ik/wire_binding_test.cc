@@ -96,7 +96,7 @@ TEST(Wires, AreTheSameForSimbodysAssembler) {
   binding.wires.virtual_link_weight = 0.1;
   const TrackingProblem tracking =
       bind_recording(model, tree, recording, nullptr, nullptr, binding);
-  ComparisonOptions options;
+  AssemblerComparisonOptions options;
   options.accuracy = 1e-9;
   const Comparison comparison =
       compare_with_assembler(model, tree, tracking, recording.markers, options);
