@@ -28,7 +28,7 @@ const char* to_string(Finding::Severity severity) {
 const char* confidence_word(double confidence) {
   if (confidence >= 0.95) return "certain";
   if (confidence >= 0.8) return "very likely";
-  return confidence >= 0.6 ? "likely" : "possible";
+  return confidence >= kLikely ? "likely" : "possible";
 }
 
 std::string remedy(const Finding& finding) {

@@ -37,7 +37,10 @@ struct Finding {
 
 const char* to_string(Finding::Severity severity);
 
-/// `certain` from 0.95 on, `very likely` from 0.8, `likely` from 0.6, else `possible`.
+/// From this confidence on a finding is worth saying where nobody asked.
+inline constexpr double kLikely = 0.6;
+
+/// `certain` from 0.95 on, `very likely` from 0.8, `likely` from kLikely, else `possible`.
 const char* confidence_word(double confidence);
 
 /// `sinew convert … --unit mm`, quoted for a shell; empty where no option mends it.

@@ -9,6 +9,7 @@
 
 #include "data/marker_names.h"
 #include "data/marker_synonyms.h"
+#include "data/preflight_swaps.h"
 
 namespace sinew {
 namespace {
@@ -149,15 +150,8 @@ std::vector<Finding> find_order_faults(const MarkerTrajectories& markers,
       return markers.names[static_cast<std::size_t>(leg.markers[i].index)];
     };
     const std::string high = name(x_is_high ? x : y), low = name(x_is_high ? y : x);
-    Finding finding;
-    finding.severity = Finding::Severity::kError;
-    finding.kind = "swap";
-    finding.where = high + ", " + low;
-    finding.confidence = 0.95;
-    finding.text = fmt::format(
-        "{} lies below {}, and not so on the other leg: they bear each other's names", high, low);
-    finding.flags = {"--swap", high + "," + low};
-    findings.push_back(std::move(finding));
+    findings.push_back(whole_exchange(
+        high, low, fmt::format("{} lies below {}, and not so on the other leg", high, low)));
   }
   return findings;
 }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "data/foot_markers.h"
+#include "data/preflight_swaps.h"
 
 namespace sinew {
 namespace {
@@ -171,17 +172,10 @@ void judge_feet(const MarkerTrajectories& markers, const std::vector<MarkerPair>
     if (foot->length > -kLeastLength || other->length < kLeastLength) continue;
     const std::string& heel = markers.names[static_cast<std::size_t>(foot->which[foot->heel])];
     const std::string& toe = markers.names[static_cast<std::size_t>(foot->which[foot->toe])];
-    Finding finding;
-    finding.severity = Finding::Severity::kError;
-    finding.kind = "swap";
-    finding.where = heel + ", " + toe;
-    finding.confidence = 0.95;
-    finding.text = fmt::format(
-        "the toe lies {:.0f} mm behind the heel, and not so on the other foot: they bear each "
-        "other's names",
-        -1e3 * foot->length);
-    finding.flags = {"--swap", heel + "," + toe};
-    findings.push_back(std::move(finding));
+    findings.push_back(whole_exchange(
+        heel, toe,
+        fmt::format("the toe lies {:.0f} mm behind the heel, and not so on the other foot",
+                    -1e3 * foot->length)));
   }
 }
 

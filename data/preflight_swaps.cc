@@ -273,6 +273,17 @@ std::vector<MarkerSwap> find_marker_swaps(const MarkerTrajectories& markers,
   return Follower(markers, options).follow();
 }
 
+Finding whole_exchange(const std::string& a, const std::string& b, const std::string& why) {
+  Finding finding;
+  finding.severity = Finding::Severity::kError;
+  finding.kind = "swap";
+  finding.where = a + ", " + b;
+  finding.confidence = 0.95;
+  finding.text = why + ": they bear each other's names";
+  finding.flags = {"--swap", a + "," + b};
+  return finding;
+}
+
 std::vector<Finding> find_swap_faults(const MarkerTrajectories& markers, const LaboratoryAxes& axes,
                                       const SwapCheckOptions& options) {
   std::vector<Finding> findings;

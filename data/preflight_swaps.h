@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "data/finding.h"
@@ -42,6 +43,10 @@ struct MarkerSwap {
 /// at once.
 std::vector<MarkerSwap> find_marker_swaps(const MarkerTrajectories& markers,
                                           const SwapCheckOptions& options = {});
+
+/// Kind `swap`, an error of confidence 0.95: two markers that bear each other's names in the whole
+/// record, mended by `--swap A,B`. `why`: what tells it, a sentence's beginning.
+Finding whole_exchange(const std::string& a, const std::string& b, const std::string& why);
 
 /// Kind `swap`, errors: `--swap A,B@FROM-TO`. Of an exchange that is not undone the names tell
 /// which part is wrong: left and right must lie as the other pairs do, heads above trunks, pelvis,

@@ -15,17 +15,18 @@
 namespace sinew {
 namespace {
 
-constexpr double kStandingSway = 0.03;  // [m]
-constexpr double kMovingSway = 0.06;    // [m], above which nobody only stands
-constexpr double kLeastStretch = 0.25;  // [s], over which noise averages out
-constexpr int kLooks = 400;             // frames that movement is looked at in
-constexpr int kFrames = 200;            // and distances
-constexpr double kApart = 0.15;         // [m]
-constexpr double kKept = 0.01;          // [m]
-constexpr int kLeastPairs = 6;          // fewer agree or differ by chance
-constexpr double kOneSubject = 0.01;    // [m]
-constexpr double kSlides = 0.025;       // [m]
-constexpr std::size_t kEnough = 10;     // frames, to tell whether a distance is kept
+constexpr double kStandingSway = 0.03;     // [m]
+constexpr double kMovingSway = 0.06;       // [m], above which nobody only stands
+constexpr double kLeastStretch = 0.25;     // [s], over which noise averages out
+constexpr int kLooks = 400;                // frames that movement is looked at in
+constexpr int kFrames = 200;               // and distances
+constexpr double kApart = 0.15;            // [m]
+constexpr double kKept = 0.01;             // [m]
+constexpr int kLeastPairs = 6;             // fewer agree or differ by chance
+constexpr double kOneSubject = 0.01;       // [m]
+constexpr double kSlides = 0.025;          // [m]
+constexpr std::size_t kEnough = 10;        // frames, to tell whether a distance is kept
+constexpr std::size_t kFewestCarried = 4;  // markers of a segment: three tell where the fourth is
 
 // RMS over the markers that are in both of how far they are from `middle`; NaN if none is.
 double distance_from(const MarkerTrajectories& markers, int frame,
@@ -118,7 +119,8 @@ double standard_deviation(const std::vector<double>& values) {
 
 // A marker that both trials have.
 struct Common {
-  int standing, moving;
+  std::string name;
+  int moving;             // its index there
   Eigen::Vector3d place;  // in the middle of the static trial
 };
 
@@ -132,25 +134,27 @@ struct Carried {
 Carried carried_place(const MarkerTrajectories& moving, const std::vector<Common>& markers,
                       std::size_t which) {
   constexpr double kLeastWidth = 0.03;  // [m] narrower ones turn with the skin
+  const auto count_of = static_cast<Eigen::Index>(markers.size());
+  Eigen::Matrix3Xd places(3, count_of), measured(3, count_of);
+  for (Eigen::Index i = 0; i < count_of; ++i) {
+    places.col(i) = markers[static_cast<std::size_t>(i)].place;
+  }
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double misfit = 0.0;
   int count = 0;
   for (const int f : every(moving.frame_count(), kFrames)) {
     const Eigen::Vector3d p = moving.position(f, markers[which].moving);
-    Eigen::Matrix3Xd from(3, markers.size()), to(3, markers.size());
-    Eigen::VectorXd weights = Eigen::VectorXd::Zero(from.cols());
-    for (std::size_t i = 0; i < markers.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      from.col(k) = markers[i].place;
-      to.col(k) = moving.position(f, markers[i].moving);
-      if (i != which && to.col(k).allFinite()) {
-        weights[k] = 1.0;
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(count_of);
+    for (Eigen::Index i = 0; i < count_of; ++i) {
+      measured.col(i) = moving.position(f, markers[static_cast<std::size_t>(i)].moving);
+      if (measured.col(i).allFinite()) {
+        weights[i] = i == static_cast<Eigen::Index>(which) ? 0.0 : 1.0;
       } else {
-        to.col(k).setZero();
+        measured.col(i).setZero();
       }
     }
     if (weights.sum() < 3.0 || !p.allFinite()) continue;
-    const RigidFit fit = fit_rigidly(from, to, weights);
+    const RigidFit fit = fit_rigidly(places, measured, weights);
     // Of others that were moved themselves nothing follows.
     if (fit.width < kLeastWidth || fit.misfit > kKept) continue;
     sum += fit.R.transpose() * (p - fit.t) - markers[which].place;
@@ -173,6 +177,52 @@ VerdictReason reason(const char* code, VerdictReason::Weight weight, double figu
   made.source = "Sinew";
   made.remedy = std::move(remedy);
   return made;
+}
+
+VerdictReason static_marker(double change, const std::string& text, const std::string& drop) {
+  return reason("static-marker", VerdictReason::Weight::kRemark, change, kSlides, text,
+                "--drop " + drop + ", or --scale walk leaves the static trial out");
+}
+
+// Of a segment with enough markers: those that sit elsewhere among the others.
+void find_moved(const MarkerTrajectories& moving, std::vector<Common> markers,
+                std::vector<VerdictReason>& reasons) {
+  while (markers.size() >= kFewestCarried) {
+    // Where one was moved, its others still fit each other best.
+    Carried best;
+    std::size_t which = 0;
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+      const Carried carried = carried_place(moving, markers, i);
+      if (!(carried.change > kSlides) || !(carried.misfit < best.misfit)) continue;
+      best = carried;
+      which = i;
+    }
+    if (std::isnan(best.change)) return;
+    const std::string& name = markers[which].name;
+    reasons.push_back(static_marker(
+        best.change, name + " sat elsewhere among the markers of its segment in the static trial",
+        name));
+    markers.erase(markers.begin() + static_cast<std::ptrdiff_t>(which));
+  }
+}
+
+// Of a segment with two or three: which of two that differ nothing tells.
+void find_moved_pairs(const MarkerTrajectories& moving, const std::vector<Common>& markers,
+                      std::vector<VerdictReason>& reasons) {
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    for (std::size_t j = i + 1; j < markers.size(); ++j) {
+      const Common &a = markers[i], &b = markers[j];
+      const std::vector<double> then = distances(moving, a.moving, b.moving);
+      if (then.size() < kEnough || standard_deviation(then) > kKept) continue;
+      const double change = std::abs((a.place - b.place).norm() - median(then));
+      if (!(change > kSlides)) continue;
+      reasons.push_back(static_marker(
+          change,
+          fmt::format("{} or {} sat elsewhere in the static trial: their distance differs", a.name,
+                      b.name),
+          "the one that was put on anew"));
+    }
+  }
 }
 
 }  // namespace
@@ -257,48 +307,15 @@ std::vector<VerdictReason> static_marker_reasons(const MarkerTrajectories& stand
     const int m = moving.find_marker(standing.names[i]);
     const Eigen::Vector3d p = places.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
     if (segments[i] >= 0 && m >= 0 && p.allFinite()) {
-      common[segments[i]].push_back({static_cast<int>(i), m, p});
+      common[segments[i]].push_back({standing.names[i], m, p});
     }
   }
   std::vector<VerdictReason> reasons;
-  const auto add = [&](double change, const std::string& text, const std::string& drop) {
-    reasons.push_back(reason("static-marker", VerdictReason::Weight::kRemark, change, kSlides, text,
-                             drop + ", or --scale walk leaves the static trial out"));
-  };
-  for (auto& [segment, markers] : common) {
-    const bool by_fit = markers.size() >= 4;
-    while (markers.size() >= 4) {
-      // Where one was moved, its others still fit each other best.
-      Carried best;
-      std::size_t which = 0;
-      for (std::size_t i = 0; i < markers.size(); ++i) {
-        const Carried carried = carried_place(moving, markers, i);
-        if (!(carried.change > kSlides) || !(carried.misfit < best.misfit)) continue;
-        best = carried;
-        which = i;
-      }
-      if (std::isnan(best.change)) break;
-      const std::string& name = standing.names[static_cast<std::size_t>(markers[which].standing)];
-      add(best.change,
-          fmt::format("{} sat elsewhere among the markers of its segment in the static trial",
-                      name),
-          "--drop " + name);
-      markers.erase(markers.begin() + static_cast<std::ptrdiff_t>(which));
-    }
-    for (std::size_t i = 0; !by_fit && i < markers.size(); ++i) {
-      for (std::size_t j = i + 1; j < markers.size(); ++j) {
-        const std::vector<double> then = distances(moving, markers[i].moving, markers[j].moving);
-        if (then.size() < kEnough || standard_deviation(then) > kKept) continue;
-        const double change = std::abs((markers[i].place - markers[j].place).norm() - median(then));
-        if (!(change > kSlides)) continue;
-        const std::string &a = standing.names[static_cast<std::size_t>(markers[i].standing)],
-                          &b = standing.names[static_cast<std::size_t>(markers[j].standing)];
-        add(change,
-            fmt::format("{} or {} sat elsewhere in the static trial: their distance "
-                        "differs",
-                        a, b),
-            "--drop the one that was put on anew");
-      }
+  for (const auto& [segment, markers] : common) {
+    if (markers.size() >= kFewestCarried) {
+      find_moved(moving, markers, reasons);
+    } else {
+      find_moved_pairs(moving, markers, reasons);
     }
   }
   return reasons;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "model/limb_paths.h"
+
 namespace sinew {
 namespace {
 
@@ -97,8 +99,8 @@ std::vector<int> coordinates_beside(const MusculoskeletalModel& model, const Kin
     const int v = tree.v_of_coordinate[c];
     const bool free = v >= 0 && (tree.unknown_of_v[static_cast<std::size_t>(v)] >= 0 ||
                                  tree.coupling_of_v[static_cast<std::size_t>(v)] >= 0);
+    if (!free || of_virtual_link(model, static_cast<int>(c))) continue;
     const Joint& joint = model.joints[static_cast<std::size_t>(model.coordinates[c].joint)];
-    if (!free || model.bodies[static_cast<std::size_t>(joint.child)].virtual_link) continue;
     if (is_bare(joint.child) || is_bare(joint.parent)) coordinates.push_back(static_cast<int>(c));
   }
   return coordinates;
@@ -135,13 +137,8 @@ MarkerCoverage marker_coverage(const MusculoskeletalModel& model, const Kinemati
     q[static_cast<std::size_t>(tree.q_of_coordinate[c])] =
         solved->coordinates(frame - first_frame, static_cast<Eigen::Index>(c));
   }
-  const auto link_of = [&](int c) {
-    return model
-        .bodies[static_cast<std::size_t>(model.coordinates[static_cast<std::size_t>(c)].joint) + 1]
-        .virtual_link;
-  };
   for (const int c : undetermined_coordinates(model, tree, alone, targets, q)) {
-    if (!link_of(c)) coverage.undetermined.push_back(c);
+    if (!of_virtual_link(model, c)) coverage.undetermined.push_back(c);
   }
   const std::vector<Segment> segments = segments_of(model, tree);
   const std::vector<bool> told = often_measured(tracking, markers, first_frame, count);

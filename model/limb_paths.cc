@@ -38,6 +38,11 @@ Eigen::Vector3d up_of(const MusculoskeletalModel& model) {
   return g > 0.0 ? Eigen::Vector3d(-model.gravity / g) : Eigen::Vector3d::UnitY();
 }
 
+bool of_virtual_link(const MusculoskeletalModel& model, int coordinate) {
+  const int joint = model.coordinates[static_cast<std::size_t>(coordinate)].joint;
+  return is_virtual(model, model.joints[static_cast<std::size_t>(joint)].child);
+}
+
 std::vector<std::string> coordinates_to_ground(const MusculoskeletalModel& model, int body) {
   std::vector<std::string> names;
   for (; body > 0; body = joint_of(model, body).parent) {

@@ -13,6 +13,9 @@ namespace sinew {
 /// The direction against gravity; y without gravity.
 Eigen::Vector3d up_of(const MusculoskeletalModel& model);
 
+/// Whether a coordinate moves a virtual link.
+bool of_virtual_link(const MusculoskeletalModel& model, int coordinate);
+
 /// Names of the coordinates of all joints between `body` and ground.
 std::vector<std::string> coordinates_to_ground(const MusculoskeletalModel& model, int body);
 

@@ -12,7 +12,6 @@
 namespace sinew {
 namespace {
 
-constexpr double kLikely = 0.6;
 // Two that jump at once, each to where the other was about to be, are hardly ever anything else.
 constexpr double kCertain = 0.95, kCertainOfJumps = 0.8;
 

@@ -5,6 +5,7 @@
 #include "dynamics/coordinate_table.h"
 #include "model/osim_file.h"
 #include "pipeline/command.h"
+#include "pipeline/dynamics_evidence.h"
 #include "pipeline/filter_reasons.h"
 #include "pipeline/id_job.h"
 #include "pipeline/id_options.h"

@@ -33,8 +33,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kWorthSaying = 0.6;  // likely or more
-
 constexpr const char* kModel = "model.osim";
 constexpr const char* kGeneric = "model_generic.osim";
 constexpr const char* kAttached = "attached_markers.xml";
@@ -121,8 +119,7 @@ class Preparation {
     const Eigen::VectorXd& time = walk.file.markers.time;
     note(finding_reasons(findings, time[0], time[time.size() - 1], options_.static_trial));
     for (const Finding& finding : findings) {
-      if (finding.severity == Finding::Severity::kNote || finding.confidence < kWorthSaying)
-        continue;
+      if (finding.severity == Finding::Severity::kNote || finding.confidence < kLikely) continue;
       // A generic model is of another size until it is scaled.
       if (finding.kind == "size" && will_fit_sizes(generic)) continue;
       if (finding.kind == "match") continue;  // names are settled next

@@ -6,6 +6,7 @@
 #include "data/output_file.h"
 #include "data/storage_file.h"
 #include "pipeline/command.h"
+#include "pipeline/dynamics_evidence.h"
 #include "pipeline/example.h"
 #include "pipeline/filter_reasons.h"
 #include "pipeline/id_job.h"
@@ -137,8 +138,8 @@ struct RunCommand {
     const std::vector<VerdictReason> findings = tracking_findings(job, *solved);
     const std::vector<std::string> undetermined = undetermined_names(findings);
     const auto id_start = std::chrono::steady_clock::now();
-    std::optional<InverseDynamicsResult> torques =
-        solve_id(job.model, coordinate_table(job.model, *solved), id_job);
+    const CoordinateTable solved_motion = coordinate_table(job.model, *solved);
+    std::optional<InverseDynamicsResult> torques = solve_id(job.model, solved_motion, id_job);
     if (!torques) return kExitFailed;
     report(warnings, torques->warnings);
 
@@ -160,7 +161,7 @@ struct RunCommand {
     }
     summary["inverse_kinematics"]["undetermined"] = undetermined;
     const VerdictEvidence evidence =
-        gather(job, *solved, torques->forces, id_job, lab_job, findings);
+        gather(job, *solved, solved_motion, torques->forces, id_job, lab_job, findings);
     const Verdict verdict = judge(evidence);
     summary["inverse_dynamics"]["root"] = root_json(*evidence.dynamics);
     summary["verdict"] = verdict_json(verdict);
@@ -192,8 +193,8 @@ struct RunCommand {
   }
 
   static VerdictEvidence gather(const IkJob& job, const TrackingResult& solved,
-                                const TimeTable& forces, const IdJob& id_job,
-                                const std::optional<LabJob>& lab_job,
+                                const CoordinateTable& motion, const TimeTable& forces,
+                                const IdJob& id_job, const std::optional<LabJob>& lab_job,
                                 const std::vector<VerdictReason>& findings) {
     VerdictEvidence evidence;
     evidence.joints = joint_evidence(job.model);
@@ -216,7 +217,7 @@ struct RunCommand {
         job.model, load_placements(job.model, solved.time, solved.coordinates, id_job.loads),
         evidence.dynamics->supporting);
     const std::vector<VerdictReason> filtered =
-        angle_filter_reasons(job.model, coordinate_table(job.model, solved), id_job.options.cutoff);
+        angle_filter_reasons(job.model, motion, id_job.options.cutoff);
     for (const std::vector<VerdictReason>& more : {placed, filtered}) {
       evidence.found.insert(evidence.found.end(), more.begin(), more.end());
     }

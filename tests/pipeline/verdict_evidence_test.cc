@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/osim_file.h"
+#include "pipeline/dynamics_evidence.h"
 #include "tests/pipeline/small_trial.h"
 
 namespace sinew {
