@@ -25,6 +25,7 @@ constexpr double kKept = 0.01;             // [m]
 constexpr int kLeastPairs = 6;             // fewer agree or differ by chance
 constexpr double kOneSubject = 0.01;       // [m]
 constexpr double kSlides = 0.025;          // [m]
+constexpr double kChanged = 0.03;          // [m] published pairs of trials: up to 25 mm, at wrists
 constexpr std::size_t kEnough = 10;        // frames, to tell whether a distance is kept
 constexpr std::size_t kFewestCarried = 4;  // markers of a segment: three tell where the fourth is
 
@@ -122,6 +123,7 @@ struct Common {
   std::string name;
   int moving;             // its index there
   Eigen::Vector3d place;  // in the middle of the static trial
+  double change;          // as StaticMarker's; 0 if unknown
 };
 
 // How far a marker of a segment sits from where the others carry its place to, and how well those
@@ -179,8 +181,9 @@ VerdictReason reason(const char* code, VerdictReason::Weight weight, double figu
   return made;
 }
 
-VerdictReason static_marker(double change, const std::string& text, const std::string& drop) {
-  return reason("static-marker", VerdictReason::Weight::kRemark, change, kSlides, text,
+VerdictReason static_marker(double change, double limit, const std::string& text,
+                            const std::string& drop) {
+  return reason("static-marker", VerdictReason::Weight::kRemark, change, limit, text,
                 "--drop " + drop + ", or --scale walk leaves the static trial out");
 }
 
@@ -200,13 +203,25 @@ void find_moved(const MarkerTrajectories& moving, std::vector<Common> markers,
     if (std::isnan(best.change)) return;
     const std::string& name = markers[which].name;
     reasons.push_back(static_marker(
-        best.change, name + " sat elsewhere among the markers of its segment in the static trial",
-        name));
+        best.change, kSlides,
+        name + " sat elsewhere among the markers of its segment in the static trial", name));
     markers.erase(markers.begin() + static_cast<std::ptrdiff_t>(which));
   }
 }
 
-// Of a segment with two or three: which of two that differ nothing tells.
+// Of a segment with two or three, by a fit of both trials: joints take a part of what one does to
+// the others, so that it changes most.
+bool find_changed(const std::vector<Common>& markers, std::vector<VerdictReason>& reasons) {
+  const auto less = [](const Common& a, const Common& b) { return a.change < b.change; };
+  const auto most = std::max_element(markers.begin(), markers.end(), less);
+  if (!(most->change > kChanged)) return false;
+  reasons.push_back(static_marker(most->change, kChanged,
+                                  most->name + " sat elsewhere on its segment in the static trial",
+                                  most->name));
+  return true;
+}
+
+// The same by distances: which of two that differ nothing tells.
 void find_moved_pairs(const MarkerTrajectories& moving, const std::vector<Common>& markers,
                       std::vector<VerdictReason>& reasons) {
   for (std::size_t i = 0; i < markers.size(); ++i) {
@@ -217,7 +232,7 @@ void find_moved_pairs(const MarkerTrajectories& moving, const std::vector<Common
       const double change = std::abs((a.place - b.place).norm() - median(then));
       if (!(change > kSlides)) continue;
       reasons.push_back(static_marker(
-          change,
+          change, kSlides,
           fmt::format("{} or {} sat elsewhere in the static trial: their distance differs", a.name,
                       b.name),
           "the one that was put on anew"));
@@ -300,21 +315,22 @@ std::vector<VerdictReason> static_trial_reasons(const MarkerTrajectories& standi
 
 std::vector<VerdictReason> static_marker_reasons(const MarkerTrajectories& standing,
                                                  const MarkerTrajectories& moving,
-                                                 const std::vector<int>& segments) {
+                                                 const std::vector<StaticMarker>& known) {
   const Eigen::RowVectorXd places = middle_of(standing, every(standing.frame_count(), kFrames));
   std::map<int, std::vector<Common>> common;  // of each segment
-  for (std::size_t i = 0; i < segments.size(); ++i) {
+  for (std::size_t i = 0; i < known.size(); ++i) {
     const int m = moving.find_marker(standing.names[i]);
     const Eigen::Vector3d p = places.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
-    if (segments[i] >= 0 && m >= 0 && p.allFinite()) {
-      common[segments[i]].push_back({standing.names[i], m, p});
+    if (known[i].segment >= 0 && m >= 0 && p.allFinite()) {
+      const double change = std::isnan(known[i].change) ? 0.0 : known[i].change;
+      common[known[i].segment].push_back({standing.names[i], m, p, change});
     }
   }
   std::vector<VerdictReason> reasons;
   for (const auto& [segment, markers] : common) {
     if (markers.size() >= kFewestCarried) {
       find_moved(moving, markers, reasons);
-    } else {
+    } else if (!find_changed(markers, reasons)) {
       find_moved_pairs(moving, markers, reasons);
     }
   }

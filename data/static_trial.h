@@ -50,15 +50,24 @@ SegmentAgreement compare_segments(const MarkerTrajectories& standing,
 std::vector<VerdictReason> static_trial_reasons(const MarkerTrajectories& standing,
                                                 const MarkerTrajectories& moving);
 
+/// What is known of a marker of the static trial by a model.
+struct StaticMarker {
+  int segment = -1;  // that it is on; -1 if unknown
+  // By how much its mean place on the segment in this trial differs from that in the other, in a
+  // fit of the model to both [m]; NaN without one.
+  double change = kNaN;
+};
+
 /// `static-marker`: a marker that sat elsewhere on its segment in the static trial. Where a segment
 /// has four, by where the others carry its place to, over frames of the second trial in which they
-/// fit to 10 mm RMS; where it has two or three, by distances that the second trial keeps to 10 mm
-/// (standard deviation), which name both markers. More than 25 mm count: skin slides by 10 to 15 mm
-/// over most segments (Leardini et al. 2005, Gait Posture 21:212-225). `segments`: of each marker
-/// of `standing`, -1 if unknown. O(markers² within segments · frames).
+/// fit to 10 mm RMS; where it has two or three, by the change of a fit, the largest of the segment
+/// and more than 30 mm; else by distances that the second trial keeps to 10 mm (standard
+/// deviation), which name both markers. More than 25 mm count: skin slides by 10 to 15 mm over most
+/// segments (Leardini et al. 2005, Gait Posture 21:212-225). `known`: of each marker of `standing`.
+/// O(markers² within segments · frames).
 std::vector<VerdictReason> static_marker_reasons(const MarkerTrajectories& standing,
                                                  const MarkerTrajectories& moving,
-                                                 const std::vector<int>& segments);
+                                                 const std::vector<StaticMarker>& known);
 
 /// `static-rms`: markers that a model meets in its static trial but not in the walk, by more
 /// than 10 mm RMS: soft tissue adds 3 to 6 mm in six published pairs of trials that are fitted

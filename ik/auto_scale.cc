@@ -59,6 +59,7 @@ class AutoScaler {
   void iterate();
   double rms(const CompiledSamples& compiled, const std::vector<Frame>& frames,
              std::optional<std::size_t> of_sample = {}) const;
+  RowMatrix mean_residuals(const CompiledSamples& compiled, std::size_t sample) const;
   void finish();
   void describe();
   void name_limits();
@@ -201,6 +202,30 @@ double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>
     }
   }
   return std::sqrt(sum / count);
+}
+
+RowMatrix AutoScaler::mean_residuals(const CompiledSamples& compiled, std::size_t sample) const {
+  const auto n = static_cast<Eigen::Index>(compiled.model.markers.size());
+  RowMatrix sums = RowMatrix::Zero(n, 3);
+  VectorXd counts = VectorXd::Zero(n);
+  KinematicWorkspace ws(compiled.tree);
+  for (const Frame& frame : frames_) {
+    if (frame.sample != sample) continue;
+    std::copy(frame.q.begin(), frame.q.end(), ws.q.begin());
+    update_poses(compiled.tree, ws);
+    const TrackingProblem& problem = compiled.problems[sample];
+    for (std::size_t i = 0; i < problem.markers.size(); ++i) {
+      const PositionResidual& r = problem.problem.positions[i];
+      const RigidTransform& X_WB = ws.X_WB[static_cast<std::size_t>(r.link)];
+      const Eigen::Vector3d error =
+          samples_[sample].file.markers.position(frame.index, problem.markers[i].recorded) -
+          X_WB * r.p_BP;
+      if (!error.allFinite()) continue;
+      sums.row(problem.markers[i].model) += (X_WB.R.transpose() * error).transpose();
+      counts[problem.markers[i].model] += 1.0;
+    }
+  }
+  return sums.array().colwise() / counts.array();  // 0/0 where nothing is measured
 }
 
 // ∂b/∂θ of one frame. Residuals are linear in the factors at a given pose, so differences with the
@@ -369,8 +394,8 @@ void AutoScaler::finish() {
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     const auto count = std::count_if(frames_.begin(), frames_.end(),
                                      [&](const Frame& frame) { return frame.sample == s; });
-    result_.trials.push_back(
-        {static_cast<int>(count), samples_[s].poses, rms(compiled, frames_, s)});
+    result_.trials.push_back({static_cast<int>(count), samples_[s].poses, rms(compiled, frames_, s),
+                              mean_residuals(compiled, s)});
   }
   linearize(compiled, theta_);
   describe();

@@ -103,6 +103,9 @@ struct AutoScaleTrialFit {
   int frames = 0;
   double poses = kNaN;  // that differ, and so how many independent frames it counts as
   double rms = kNaN;    // of the markers in the frames used [m]
+  // Of each marker of the model the mean, over these frames, of where it was measured less where it
+  // is, in its body's axes: markers × 3 [m], NaN where it is not tracked.
+  RowMatrix residuals;
 };
 
 struct AutoScaleResult {

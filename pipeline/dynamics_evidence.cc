@@ -12,15 +12,27 @@
 namespace sinew {
 namespace {
 
-// Sums of all loads: frames × 3 in ground's axes; false if some are given in others.
-bool sum_loads(const ExternalLoads& loads, const Eigen::VectorXd& time, RowMatrix& sums) {
-  sums = RowMatrix::Zero(time.size(), 3);
+// Forces on one body, or on all of them: frames × 3 in ground's axes.
+struct Pushing {
+  int body = -1;  // -1: all
+  RowMatrix forces;
+};
+
+// Of all loads, then of every loaded body; false if some are given in other axes than ground's.
+bool sum_loads(const ExternalLoads& loads, const Eigen::VectorXd& time,
+               std::vector<Pushing>& sums) {
+  sums = {{-1, RowMatrix::Zero(time.size(), 3)}};
   bool in_ground = true;
-  for (int load = 0; load < loads.size(); ++load) {
+  for (int load = 0; load < loads.size() && time.size() > 0; ++load) {
+    const int body = loads.sample(load, time[0]).body;
+    std::size_t own = 1;
+    while (own < sums.size() && sums[own].body != body) ++own;
+    if (own == sums.size()) sums.push_back({body, RowMatrix::Zero(time.size(), 3)});
     for (Eigen::Index f = 0; f < time.size(); ++f) {
       const ExternalLoads::Sample sample = loads.sample(load, time[f]);
       in_ground = in_ground && sample.force_frame == 0;
-      sums.row(f) += sample.force.transpose();
+      sums[0].forces.row(f) += sample.force.transpose();
+      sums[own].forces.row(f) += sample.force.transpose();
     }
   }
   return in_ground;
@@ -147,13 +159,14 @@ std::vector<int> loaded_bodies(const ExternalLoads& loads, const Eigen::VectorXd
   return {bodies.begin(), bodies.end()};
 }
 
-PushEvidence push_along(const RootColumns::Shift& shift, const RowMatrix& sums,
-                        const TimeTable& forces, const std::vector<bool>& known) {
+// What the body's movement needs of the load is that load and what is left at the root.
+PushEvidence push_along(const RootColumns::Shift& shift, const RowMatrix& forces,
+                        const TimeTable& table, const std::vector<bool>& known) {
   PushEvidence push;
   int axis = 0;
   shift.axis.cwiseAbs().maxCoeff(&axis);
   push.axis = std::string(1, static_cast<char>('x' + axis));
-  const Eigen::VectorXd load = sums * shift.axis, need = load + forces.values.col(shift.column);
+  const Eigen::VectorXd load = forces * shift.axis, need = load + table.values.col(shift.column);
   double dot = 0.0;
   for (Eigen::Index f = 0; f < load.size(); ++f) {
     if (known[static_cast<std::size_t>(f)]) dot += load[f] * need[f];
@@ -170,8 +183,9 @@ PushEvidence push_along(const RootColumns::Shift& shift, const RowMatrix& sums,
 void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
                const ExternalLoads& loads, const std::vector<bool>& known, const RootColumns& root,
                const Eigen::VectorXd& hangs, DynamicsEvidence& e) {
-  RowMatrix sums;
-  const bool in_ground = sum_loads(loads, forces.time, sums);
+  std::vector<Pushing> pushing;
+  const bool in_ground = sum_loads(loads, forces.time, pushing);
+  const RowMatrix& sums = pushing[0].forces;
   e.peak_load = sums.rowwise().norm().maxCoeff();
   if (!in_ground) return;
   const Eigen::VectorXd vertical = sums * up_of(model);
@@ -183,7 +197,11 @@ void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
   if (given > 0.0) e.carried_mass = model.total_mass() * given / (given + left);
   if (e.known == 0) return;
   for (const RootColumns::Shift& shift : root.level) {
-    e.pushes.push_back(push_along(shift, sums, forces, known));
+    for (const Pushing& of : pushing) {
+      if (of.body >= 0 && pushing.size() == 2) continue;  // one body's is the sum
+      e.pushes.push_back(push_along(shift, of.forces, forces, known));
+      if (of.body >= 0) e.pushes.back().body = model.bodies[static_cast<std::size_t>(of.body)].name;
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "data/conditioning.h"
 #include "pipeline/verdict_limits.h"
 #include "pipeline/verdict_reasons.h"
 
@@ -57,22 +58,31 @@ std::vector<VerdictReason> angle_filter_reasons(const MusculoskeletalModel& mode
   return reasons;
 }
 
-std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& before,
-                                                 const MarkerTrajectories& after) {
-  double sum = 0.0;
-  long count = 0;
-  for (Eigen::Index i = 0; i < before.p_WM.size(); ++i) {
-    const double d = after.p_WM.data()[i] - before.p_WM.data()[i];
-    if (!std::isfinite(d)) continue;
-    sum += d * d;
-    ++count;
+std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& markers, double cutoff) {
+  if (cutoff < 0.0 || cutoff >= kMovement) return {};
+  MarkerTrajectories filtered = markers, whole = markers;
+  lowpass(filtered, cutoff);
+  if (kMovement < 0.5 * markers.rate) lowpass(whole, kMovement);
+  double rms = 0.0;
+  int most = -1;
+  for (int m = 0; m < markers.marker_count(); ++m) {
+    double sum = 0.0;
+    int count = 0;
+    for (int f = 0; f < markers.frame_count(); ++f) {
+      const double d = (filtered.position(f, m) - whole.position(f, m)).squaredNorm();
+      if (std::isnan(d)) continue;
+      sum += d;
+      ++count;
+    }
+    if (count == 0 || !(std::sqrt(sum / count) > rms)) continue;
+    rms = std::sqrt(sum / count);
+    most = m;
   }
-  if (count == 0) return {};
-  const double rms = std::sqrt(3.0 * sum / static_cast<double>(count));
   std::vector<VerdictReason> reasons;
-  if (auto* r = judge_figure(reasons, {rms, 0.5 * limits::kMarkerRms, limits::kMarkerRms}, 1e3,
-                             "mm", "marker-filter", limits::kHicks)) {
-    r->text = "filtering moves the markers (RMS): it takes part of the movement away";
+  if (auto* r = judge_figure(reasons, {rms, limits::kFilteredMarker, limits::kWorstFilteredMarker},
+                             1e3, "mm", "marker-filter", limits::kOwn)) {
+    r->text = fmt::format("the filter of {} Hz takes part of the movement away, most of {} (RMS)",
+                          cutoff, markers.names[static_cast<std::size_t>(most)]);
     r->remedy = "--marker-cutoff: 6 Hz keeps a walk, 15 Hz a run, -1 does not filter";
   }
   return reasons;

@@ -17,10 +17,10 @@ namespace sinew {
 std::vector<VerdictReason> angle_filter_reasons(const MusculoskeletalModel& model,
                                                 const CoordinateTable& motion, double cutoff);
 
-/// `marker-filter`: RMS by which filtering moved the samples that both have [m]. Above 10 mm a
-/// remark, above 20 mm, the most that Hicks et al. (2015, J Biomech Eng 137:020905) allow markers
-/// to be off, not usable. Shapes must be the same.
-std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& before,
-                                                 const MarkerTrajectories& after);
+/// `marker-filter`: the marker that a cutoff below 6 Hz moves most, against the same low-passed at
+/// 6 Hz, by the RMS over the frames [m]. Above kFilteredMarker a remark and above
+/// kWorstFilteredMarker not usable. `markers`: before any filter, without gaps that are to be
+/// filled. O(frames · markers).
+std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& markers, double cutoff);
 
 }  // namespace sinew

@@ -79,11 +79,8 @@ class Preparation {
     scale(generic, walk, well_filled(markers, filled));
     attach(markers);
     const MarkerTrajectories unfiltered = markers;
-    filter_lab_markers(markers, walk.file.path, log_, warnings_);
-    note(marker_filter_reasons(unfiltered, markers));
-    for (const Decision& decision : log_.decisions()) {
-      if (decision.name == "marker cutoff") job_.marker_cutoff = decision.value.get<double>();
-    }
+    job_.marker_cutoff = filter_lab_markers(markers, walk.file.path, log_, warnings_);
+    note(marker_filter_reasons(unfiltered, job_.marker_cutoff));
     write_trc(folder_ / kMarkers, markers);
     settle_motion(markers);
     assign_loads(walk, markers);
@@ -150,14 +147,20 @@ class Preparation {
     return name_lab_markers(trial, which, names, options_, log_, warnings_);
   }
 
-  // Of the static trial's markers, by the model.
-  std::vector<int> segments(const GenericModel& generic) const {
-    std::vector<int> segments;
+  // Of the static trial's markers, by the model that was fitted to both trials, if one was.
+  std::vector<StaticMarker> known_markers(const GenericModel& generic,
+                                          const std::optional<AutoScaleResult>& fit) const {
+    std::vector<StaticMarker> known;
+    const bool both = fit && fit->trials.size() == 2;
     for (const std::string& name : standing_->names) {
+      StaticMarker& marker = known.emplace_back();
       const int m = generic.model.find_marker(name);
-      segments.push_back(m < 0 ? -1 : generic.model.markers[static_cast<std::size_t>(m)].body);
+      if (m < 0) continue;
+      marker.segment = generic.model.markers[static_cast<std::size_t>(m)].body;
+      if (!both) continue;
+      marker.change = (fit->trials[0].residuals.row(m) - fit->trials[1].residuals.row(m)).norm();
     }
-    return segments;
+    return known;
   }
 
   void scale(const GenericModel& generic, const LabTrial& walk, const MarkerTrajectories& markers) {
@@ -177,7 +180,9 @@ class Preparation {
                      job_.ik.threads, folder_ / kModel, log_, warnings_);
     if (standing_) {
       std::vector<VerdictReason> reasons = static_trial_reasons(*standing_, markers);
-      if (reasons.empty()) reasons = static_marker_reasons(*standing_, markers, segments(generic));
+      if (reasons.empty()) {
+        reasons = static_marker_reasons(*standing_, markers, known_markers(generic, settled.fit));
+      }
       // Where no size follows from it, it spoils none.
       const bool used = settled.by == "static" || settled.by == "both" || settled.by == "setup";
       for (VerdictReason& reason : reasons) {

@@ -146,12 +146,13 @@ MarkerTrajectories well_filled(const MarkerTrajectories& markers, const GapFillR
   return result;
 }
 
-void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, DecisionLog& log,
-                        std::vector<Warning>& warnings) {
+double filter_lab_markers(MarkerTrajectories& markers, const std::string& path, DecisionLog& log,
+                          std::vector<Warning>& warnings) {
   PrepareOptions prepare;
   const double cutoff = log.settle_number(matched_cutoff(markers));
   if (cutoff > 0.0) prepare.marker_cutoff = cutoff;
   prepare_markers(markers, path, prepare, warnings);
+  return cutoff;
 }
 
 namespace {

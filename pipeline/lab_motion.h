@@ -29,9 +29,9 @@ GapFillResult fill_lab_markers(MarkerTrajectories& markers, const std::string& p
 /// The markers without samples that were not filled well enough for sizes to be fitted to them.
 MarkerTrajectories well_filled(const MarkerTrajectories& markers, const GapFillResult& filled);
 
-/// Filters in place, settling how.
-void filter_lab_markers(MarkerTrajectories& markers, const std::string& path, DecisionLog& log,
-                        std::vector<Warning>& warnings);
+/// Filters in place, settling how: the cutoff [Hz], negative where nothing is filtered.
+double filter_lab_markers(MarkerTrajectories& markers, const std::string& path, DecisionLog& log,
+                          std::vector<Warning>& warnings);
 
 /// Settles from and to: from the first frame to the last in which at least half of the model's
 /// recorded markers are measured, and of those on the segment that all others hang from three, if

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "data/statistics.h"
@@ -94,15 +95,18 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
     LoadPlacement placement;
     std::vector<BodyPoint> own, others;
     std::vector<double> distances, to_other;
+    std::array<std::vector<double>, 3> mirrored;  // along x, y and z; none along what is up
     int nearer = 0;
   };
   std::vector<Load> all;
   if (!stands_for_a_person(model)) return {};
+  int vertical = 0;
+  up_of(model).cwiseAbs().maxCoeff(&vertical);
   for (int i = 0; i < loads.size() && time.size() > 0; ++i) {
     const int body = loads.sample(i, time[0]).body;
     const int other = body > 0 ? partner_body(model, body) : -1;
     if (body <= 0 || !loads.has_point(i)) continue;
-    Load load{i, {}, points_of(model, body), {}, {}, {}, 0};
+    Load load{i, {}, points_of(model, body), {}, {}, {}, {}, 0};
     load.placement.body = body;
     load.placement.other = other;
     if (other >= 0) load.others = points_of(model, other);
@@ -118,6 +122,12 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
       load.distances.push_back(distance_to(ws, load.own, p));
       load.to_other.push_back(distance_to(ws, load.others, p));
       load.nearer += load.to_other.back() + kNearer < load.distances.back();
+      for (int axis = 0; axis < 3; ++axis) {
+        if (axis == vertical) continue;
+        Vector3d mirror = p;
+        mirror[axis] = -p[axis];
+        load.mirrored[static_cast<std::size_t>(axis)].push_back(distance_to(ws, load.own, mirror));
+      }
     }
   }
   std::vector<LoadPlacement> placements;
@@ -127,6 +137,13 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
       load.placement.nearer_other = static_cast<double>(load.nearer) / load.placement.frames;
       load.placement.distance = median(std::move(load.distances));
       load.placement.to_other = median(std::move(load.to_other));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (axis == vertical) continue;
+        const double d = median(std::move(load.mirrored[static_cast<std::size_t>(axis)]));
+        if (d >= load.placement.mirrored) continue;
+        load.placement.mirrored = d;
+        load.placement.mirror_axis = axis;
+      }
     }
     placements.push_back(load.placement);
   }
@@ -148,6 +165,18 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
       r.remedy = "apply it to the foot (calcn), or the joints below carry nothing";
       r.torques = std::move(skipped);
       reasons.push_back(std::move(r));
+    }
+    const bool mirrored =
+        p.mirrored < kBeside && p.mirrored + kNearer < p.distance && !(p.to_other < p.mirrored);
+    if (mirrored) {
+      auto* r = judge_figure(reasons, {p.distance, p.mirrored, p.mirrored}, 1e3, "mm",
+                             "loads-mirrored", "Sinew");
+      const char axis = static_cast<char>('x' + p.mirror_axis);
+      r->text = fmt::format("the force on {} acts away from it, but at it if {} is turned",
+                            name(p.body), axis);
+      r->remedy = fmt::format("turn the sign of the {} of its centres of pressure", axis);
+      r->torques = supporting;
+      continue;
     }
     if (auto* r = judge_figure(reasons, {p.nearer_other, kMostNearer, kMostNearer}, 100.0,
                                "% of its frames", "loads-of-other-foot", "Sinew")) {

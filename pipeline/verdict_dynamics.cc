@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "pipeline/verdict_limits.h"
 #include "pipeline/verdict_reasons.h"
@@ -87,18 +88,28 @@ void judge_direction(const DynamicsEvidence& d, std::vector<VerdictReason>& reas
 }
 
 // Sums are the mass times its acceleration, whatever the inner movement: a cosine of -1 is a turned
-// sign, of 0 an exchanged axis or another trial.
+// sign, of 0 an exchanged axis or another trial. Of one turned load of several the others suffer
+// less: the worst along each axis is it.
 void judge_pushes(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
+  std::map<std::string, const PushEvidence*> worst;
   for (const PushEvidence& p : d.pushes) {
     if (!(std::min(p.load_rms, p.need_rms) > kLeastPush * d.weight)) continue;
-    auto* r =
-        judge_figure(reasons, {-p.cosine, kTurnedPush, kTurnedPush}, 1.0, "", "loads-turned", kOwn);
+    const PushEvidence*& so_far = worst[p.axis];
+    if (so_far == nullptr || p.cosine < so_far->cosine) so_far = &p;
+  }
+  for (const auto& [axis, p] : worst) {
+    auto* r = judge_figure(reasons, {-p->cosine, kTurnedPush, kTurnedPush}, 1.0, "", "loads-turned",
+                           kOwn);
     if (r == nullptr) continue;
     r->text = fmt::format(
-        "the loads push against the acceleration of the body's mass along {} (minus the cosine of "
-        "both)",
-        p.axis);
-    r->remedy = fmt::format("turn the sign of their {}: {}", p.axis, kCheckLoads);
+        "{} against the acceleration of the body's mass along {} (minus the cosine of both)",
+        p->body.empty() ? std::string("the loads push")
+                        : fmt::format("the force on {} pushes", p->body),
+        axis);
+    r->remedy = fmt::format(
+        "turn the sign of {} {}: in the file of the loads, or by the platform's corners in the "
+        "C3D file",
+        p->body.empty() ? "their" : "its", axis);
     r->torques = d.supporting;
   }
 }

@@ -25,9 +25,10 @@ struct RootResidual {
   double moment_max = kNaN;
 };
 
-/// Along one horizontal axis of ground: the loads' sum against what the body's movement needs,
-/// which is that sum and what is left at the root. Over the known frames.
+/// Along one horizontal axis of ground: a load against what the movement needs of it, which is that
+/// load and what is left at the root. Over the known frames.
 struct PushEvidence {
+  std::string body;        // that it acts on; empty: the sum of all loads
   std::string axis;        // "x" …
   double load_rms = kNaN;  // [N]
   double need_rms = kNaN;  // [N]

@@ -33,6 +33,8 @@ constexpr double kSideRangeRatio = 3.0;
 // RMS by which a low-pass changes an angle: errors of gait angles that are acceptable, and that
 // mislead (McGinley, Baker, Wolfe & Morris 2009, Gait Posture 29:360-369) [rad].
 constexpr double kFiltered = 0.035, kWorstFiltered = 0.087;
+// The same of a marker: what turns a segment of 0.3 m, a foot's or a half shank's, as far [m].
+constexpr double kFilteredMarker = 0.3 * kFiltered, kWorstFilteredMarker = 0.3 * kWorstFiltered;
 
 // Shares of the frames.
 constexpr double kOnBound = 0.1, kWorstOnBound = 0.5;

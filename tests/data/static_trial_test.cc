@@ -93,7 +93,12 @@ TEST(StaticTrial, AnotherPersonIsFoundByTheSegments) {
 }
 
 TEST(StaticTrial, AMarkerThatSatElsewhereIsFoundByItsSegment) {
-  const std::vector<int> segments = {0, 0, 0, 0, 1, 1, 1, 1};
+  const auto on = [](const std::vector<int>& segments) {
+    std::vector<StaticMarker> known;
+    for (const int segment : segments) known.push_back({segment});
+    return known;
+  };
+  const std::vector<StaticMarker> segments = on({0, 0, 0, 0, 1, 1, 1, 1});
   const MarkerTrajectories walk = person(1.0, 0.5, 1.2);
   MarkerTrajectories standing = person(1.0, 0.0, 0.0);
   EXPECT_EQ(codes(static_marker_reasons(standing, walk, segments)), "");
@@ -106,12 +111,21 @@ TEST(StaticTrial, AMarkerThatSatElsewhereIsFoundByItsSegment) {
             "B sat elsewhere among the markers of its segment in the static trial");
   EXPECT_EQ(reasons[0].remedy, "--drop B, or --scale walk leaves the static trial out");
   // D is 0.3 m below and 0.3 m to the side: of two alone nothing tells which.
-  reasons = static_marker_reasons(standing, walk, {-1, 0, -1, 0, 1, 1, -1, -1});
+  std::vector<StaticMarker> pairs = on({-1, 0, -1, 0, 1, 1, -1, -1});
+  reasons = static_marker_reasons(standing, walk, pairs);
   ASSERT_EQ(codes(reasons), "static-marker ");
   EXPECT_NEAR(reasons[0].figure, 1e3 * (std::hypot(0.3, 0.36) - std::hypot(0.3, 0.3)), 1.0);
   EXPECT_EQ(reasons[0].text, "B or D sat elsewhere in the static trial: their distance differs");
+  // A fit that has both trials does.
+  pairs[1].change = 0.041;
+  pairs[3].change = 0.026;
+  reasons = static_marker_reasons(standing, walk, pairs);
+  ASSERT_EQ(codes(reasons), "static-marker ");
+  EXPECT_NEAR(reasons[0].figure, 41.0, 1e-9);
+  EXPECT_EQ(reasons[0].text, "B sat elsewhere on its segment in the static trial");
+  EXPECT_EQ(reasons[0].remedy, "--drop B, or --scale walk leaves the static trial out");
   // Skin that slides is none, and neither are segments that nobody knows.
-  EXPECT_EQ(codes(static_marker_reasons(standing, walk, std::vector<int>(8, -1))), "");
+  EXPECT_EQ(codes(static_marker_reasons(standing, walk, on(std::vector<int>(8, -1)))), "");
   standing = person(1.0, 0.0, 0.0);
   standing.p_WM.col(3 * 1 + 1).array() += 0.02;
   EXPECT_EQ(codes(static_marker_reasons(standing, walk, segments)), "");

@@ -63,21 +63,42 @@ TEST_F(Filtered, AnglesAreJudgedByWhatIsTakenFromThem) {
   EXPECT_TRUE(angle_filter_reasons(model_, motion_, 1.0).empty());
 }
 
-TEST_F(Filtered, MarkersAreJudgedByHowFarTheyAreMoved) {
-  const MarkerTrajectories before = SmallTrial::recording();
-  const auto moved_by = [&](double metres) {
-    MarkerTrajectories after = before;
-    for (int m = 0; m < after.marker_count(); ++m) after.p_WM.col(3 * m + 1).array() += metres;
-    return marker_filter_reasons(before, after);
+// One marker of several swings by 0.1 m once a second.
+TEST_F(Filtered, MarkersAreJudgedByWhatIsTakenFromTheOneThatMovesMost) {
+  MarkerTrajectories markers;
+  markers.rate = kRate;
+  markers.names = {"STILL", "HEEL"};
+  markers.time = motion_.time;
+  for (int f = 0; f < kFrames; ++f) markers.frame_numbers.push_back(f + 1);
+  markers.p_WM = RowMatrix::Constant(kFrames, 6, 0.5);
+  const auto swing = [&](double hertz) {
+    markers.p_WM.col(4) =
+        0.1 * (2.0 * std::numbers::pi * hertz * motion_.time.array()).sin().matrix();
   };
-  EXPECT_TRUE(moved_by(0.009).empty());
-  ASSERT_EQ(moved_by(0.012).size(), 1u);
-  EXPECT_EQ(moved_by(0.012)[0].weight, VerdictReason::Weight::kRemark);
-  EXPECT_NEAR(moved_by(0.012)[0].figure, 12.0, 1e-9);
-  EXPECT_EQ(moved_by(0.021)[0].weight, VerdictReason::Weight::kUnusable);
-  MarkerTrajectories nothing = before;
-  nothing.p_WM.setConstant(std::nan(""));
-  EXPECT_TRUE(marker_filter_reasons(nothing, nothing).empty());
+  const auto millimetres = [](double cutoff) {
+    return taken(cutoff) * std::numbers::pi / 180.0 / 0.4 * 100.0;
+  };
+  swing(1.0);
+  EXPECT_TRUE(marker_filter_reasons(markers, 6.0).empty());
+  EXPECT_TRUE(marker_filter_reasons(markers, -1.0).empty());
+  ASSERT_LT(millimetres(1.5), 10.0);
+  EXPECT_TRUE(marker_filter_reasons(markers, 1.5).empty());
+  std::vector<VerdictReason> reasons = marker_filter_reasons(markers, 1.3);
+  ASSERT_EQ(reasons.size(), 1u);
+  EXPECT_EQ(reasons[0].code, "marker-filter");
+  EXPECT_EQ(reasons[0].weight, VerdictReason::Weight::kRemark);
+  EXPECT_NEAR(reasons[0].figure, millimetres(1.3), 0.1);
+  EXPECT_EQ(reasons[0].text,
+            "the filter of 1.3 Hz takes part of the movement away, most of HEEL (RMS)");
+  reasons = marker_filter_reasons(markers, 0.5);
+  ASSERT_EQ(reasons.size(), 1u);
+  EXPECT_EQ(reasons[0].weight, VerdictReason::Weight::kUnusable);
+  EXPECT_NEAR(reasons[0].figure, millimetres(0.5), 0.3);
+  // Noise is what filters are for, and where nothing is measured nothing is moved.
+  swing(20.0);
+  EXPECT_TRUE(marker_filter_reasons(markers, 1.0).empty());
+  markers.p_WM.setConstant(std::nan(""));
+  EXPECT_TRUE(marker_filter_reasons(markers, 1.0).empty());
 }
 
 }  // namespace

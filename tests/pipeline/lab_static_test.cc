@@ -169,15 +169,22 @@ TEST_F(LabStatic, ALargerSubjectsIsLeftOutByScalingToTheWalk) {
 }
 
 TEST_F(LabStatic, AMarkerThatWasPutOnAnewIsNamed) {
-  MarkerTrajectories standing = read_trc(path() / "static.trc").markers;
-  const int moved = standing.find_marker("LASI");
-  ASSERT_GE(moved, 0) << fmt::format("{}", fmt::join(standing.names, " "));
-  standing.p_WM.col(3 * moved + 1).array() += 0.06;
-  write_trc(path() / "anew.trc", standing);
-  const Outcome outcome = run("walk.c3d", "anew.trc", "anew", {"--mass", "75"});
+  const MarkerTrajectories standing = read_trc(path() / "static.trc").markers;
+  const auto run_with_moved = [&](const std::string& name, int axis) {
+    MarkerTrajectories moved = standing;
+    const int m = moved.find_marker(name);
+    EXPECT_GE(m, 0) << fmt::format("{}", fmt::join(moved.names, " "));
+    moved.p_WM.col(3 * m + axis).array() += 0.06;
+    write_trc(path() / "anew.trc", moved);
+    return run("walk.c3d", "anew.trc", "anew", {"--mass", "75"});
+  };
+  const Outcome hip = run_with_moved("LASI", 1);
   EXPECT_TRUE(holds(codes("anew"), "static-marker;")) << codes("anew");
-  EXPECT_TRUE(holds(outcome.out, "LASI sat elsewhere among the markers of its segment"))
-      << outcome.out;
+  EXPECT_TRUE(holds(hip.out, "LASI sat elsewhere among the markers of its segment")) << hip.out;
+  // Across a segment of three, whose distances hardly tell.
+  const Outcome arm = run_with_moved("RUPA", 0);
+  EXPECT_EQ(codes("anew"), "static-marker;");
+  EXPECT_TRUE(holds(arm.out, "RUPA sat elsewhere on its segment")) << arm.out;
 }
 
 TEST_F(LabStatic, AFilterThatTakesTheMovementIsNotUsable) {

@@ -36,13 +36,13 @@ class LoadPlacementOfWalk : public ::testing::Test {
     return nullptr;
   }
 
-  // The loads with all points moved along the platforms' z, which points to the right.
-  static void move_sideways(double distance) {
+  // The loads with a coordinate of all points times a factor and moved [m].
+  static void move_points(const std::string& coordinate, double factor, double distance) {
     TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
     for (std::size_t c = 0; c < loads.labels.size(); ++c) {
-      if (loads.labels[c].ends_with("_pz")) {
-        loads.values.col(static_cast<Eigen::Index>(c)).array() += distance;
-      }
+      if (!loads.labels[c].ends_with("_p" + coordinate)) continue;
+      auto column = loads.values.col(static_cast<Eigen::Index>(c));
+      column = factor * column.array() + distance;
     }
     write_storage(trial_->path() / "moved.mot", loads);
     std::string setup = content_of(trial_->path() / "grf.xml");
@@ -59,6 +59,17 @@ TEST_F(LoadPlacementOfWalk, IsRightAsRecorded) {
   const Json verdict = judged("grf.xml", 0);
   EXPECT_TRUE(reason(verdict, "loads-of-other-foot").is_null()) << verdict;
   EXPECT_TRUE(reason(verdict, "loads-beside-foot").is_null()) << verdict;
+  EXPECT_TRUE(reason(verdict, "loads-mirrored").is_null()) << verdict;
+}
+
+// The walk goes along z = 0, its left foot where its right one's mirror image is.
+TEST_F(LoadPlacementOfWalk, TellsMirroredPoints) {
+  for (const std::string axis : {"x", "z"}) {
+    move_points(axis, -1.0, 0.0);
+    const Json found = reason(judged("moved.xml", 1), "loads-mirrored");
+    ASSERT_FALSE(found.is_null()) << axis;
+    EXPECT_EQ(found["remedy"], "turn the sign of the " + axis + " of its centres of pressure");
+  }
 }
 
 // Every figure of the sums is as good as before: only places tell.
@@ -79,7 +90,7 @@ TEST_F(LoadPlacementOfWalk, TellsExchangedFeet) {
 
 // To the right of both feet, so that the left foot's come to lie at the right one.
 TEST_F(LoadPlacementOfWalk, TellsHowFarBesideTheFootForcesAct) {
-  move_sideways(-1.0);
+  move_points("z", 1.0, -1.0);  // z points to the right
   const Json far = reason(judged("moved.xml", 1), "loads-beside-foot");
   ASSERT_FALSE(far.is_null());
   EXPECT_EQ(far["weight"], "unusable");

@@ -112,10 +112,47 @@ TEST_F(Evidence, OfPushesAgainstTheMovement) {
   left.values.col(1).head(60).setConstant(-140.0);
   const DynamicsEvidence e = dynamics_evidence(model_, left, loads(), {});
   ASSERT_EQ(e.pushes.size(), 1u);
+  EXPECT_EQ(e.pushes[0].body, "");
   EXPECT_EQ(e.pushes[0].axis, "x");
   EXPECT_NEAR(e.pushes[0].load_rms, 100.0, 1e-9);
   EXPECT_NEAR(e.pushes[0].need_rms, 40.0, 1e-9);
   EXPECT_NEAR(e.pushes[0].cosine, -1.0, 1e-12);
+}
+
+// 100 N forwards at the thigh, then 50 N at the trunk, while the movement needs 100 N backwards and
+// 50 N forwards: the one is turned, and the other asked for what is left of it.
+TEST_F(Evidence, OfOnePushOfTwo) {
+  TimeTable table = SmallTrial::loads(0.0, 1.5);
+  const TimeTable once = table;
+  for (const std::string& label : once.labels) table.labels.push_back("second_" + label);
+  table.values.conservativeResize(Eigen::NoChange, 18);
+  table.values.rightCols(9) = once.values;
+  for (Eigen::Index row = 0; row < table.time.size(); ++row) {
+    const bool early = table.time[row] < 0.2975;
+    table.values(row, 0) = early ? 100.0 : 0.0;
+    table.values(row, 9) = early ? 0.0 : 50.0;
+  }
+  write_storage(folder_.path() / "grf.mot", table);
+  std::string setup = SmallTrial::loads_setup("grf.mot");
+  const std::size_t begin = setup.find("<ExternalForce "), end = setup.find("</objects>");
+  std::string second = setup.substr(begin, end - begin);
+  second.replace(second.find("push"), 4, "second");
+  second.replace(second.find("thigh"), 5, "trunk");
+  for (const std::string part : {">f_v<", ">f_p<", ">f_torque_<"}) {
+    second.insert(second.find(part) + 1, "second_");
+  }
+  folder_.write("grf.xml", setup.insert(end, second));
+  const ExternalLoads both = loads();
+  TimeTable left = forces(60);
+  left.values.col(1).head(30).setConstant(-200.0);
+  left.values.col(1).segment(30, 30).setZero();
+  const DynamicsEvidence e = dynamics_evidence(model_, left, both, {});
+  ASSERT_EQ(e.pushes.size(), 3u);
+  EXPECT_NEAR(e.pushes[0].cosine, -0.6, 1e-6);
+  EXPECT_EQ(e.pushes[1].body, "thigh");
+  EXPECT_NEAR(e.pushes[1].cosine, -1.0, 1e-6);
+  EXPECT_EQ(e.pushes[2].body, "trunk");
+  EXPECT_NEAR(e.pushes[2].cosine, 50.0 / std::hypot(200.0, 50.0), 1e-6);
 }
 
 TEST_F(Evidence, OfDynamicsByPlatforms) {

@@ -221,11 +221,19 @@ TEST(JudgeDynamics, LooksAtTheLoadsDirectionAndSum) {
   d.horizontal_load_rms = 741.0;
   expect_reason(judge_dynamics(d), "loads-sideways", Weight::kRemark, 741.0, 740.0, "N");
   d = good_dynamics();
-  d.pushes = {{"x", 90.0, 95.0, 0.97}, {"z", 30.0, 28.0, -0.6}};
+  d.pushes = {{"", "x", 90.0, 95.0, 0.97}, {"", "z", 30.0, 28.0, -0.6}};
   expect_reason(judge_dynamics(d), "loads-turned", Weight::kUnusable, 0.6, 0.5, "");
   EXPECT_EQ(find(judge_dynamics(d), "loads-turned")->torques, d.supporting);
   d.pushes[1].load_rms = 0.01 * d.weight;  // little, as of an offset
   EXPECT_TRUE(judge_dynamics(d).empty());
+  // One foot's alone spoils the sum as well.
+  d.pushes = {{"", "x", 90.0, 95.0, -0.6},
+              {"calcn_r", "x", 80.0, 95.0, 0.2},
+              {"calcn_l", "x", 80.0, 95.0, -0.97}};
+  const std::vector<VerdictReason> turned = judge_dynamics(d);
+  ASSERT_EQ(turned.size(), 1u);
+  expect_reason(turned, "loads-turned", Weight::kUnusable, 0.97, 0.5, "");
+  EXPECT_EQ(turned[0].text.substr(0, 27), "the force on calcn_l pushes");
   d = good_dynamics();
   d.carried_mass = 60.0;  // the model has a quarter more
   expect_reason(judge_dynamics(d), "mass-carried", Weight::kRemark, 25.0, 3.0, "%");
