@@ -1,5 +1,7 @@
 #include "pipeline/dynamics_evidence.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -69,6 +71,12 @@ Eigen::Vector3d shift_axis(const Joint& joint, int coordinate) {
   const int axis = shift - turns;
   if (axis < 0 || axis > 2) return Eigen::Vector3d::Zero();
   return joint.X_PF.R.col(axis);
+}
+
+std::string axis_name(const RootColumns::Shift& shift) {
+  int axis = 0;
+  shift.axis.cwiseAbs().maxCoeff(&axis);
+  return std::string(1, static_cast<char>('x' + axis));
 }
 
 RootColumns root_columns(const MusculoskeletalModel& model, const TimeTable& forces) {
@@ -159,23 +167,76 @@ std::vector<int> loaded_bodies(const ExternalLoads& loads, const Eigen::VectorXd
   return {bodies.begin(), bodies.end()};
 }
 
+// Frames in which a load is looked at, all of them or those of one contact.
+struct Looked {
+  std::vector<bool> frames;
+  std::string times;
+};
+
+// The known frames, and those of each contact of the load that is known for long enough to tell.
+std::vector<Looked> looks_at(const Pushing& pushing, const Eigen::VectorXd& time,
+                             const std::vector<bool>& known) {
+  constexpr double kLongEnough = 0.3;  // [s] half of a stance
+  std::vector<Looked> looks{{known, ""}};
+  if (pushing.body < 0) return looks;
+  const auto n = static_cast<Eigen::Index>(known.size());
+  for (Eigen::Index f = 0; f < n; ++f) {
+    Looked contact{std::vector<bool>(known.size()), ""};
+    const Eigen::Index first = f;
+    while (f < n && known[static_cast<std::size_t>(f)] &&
+           pushing.forces.row(f).norm() > kContactForce) {
+      contact.frames[static_cast<std::size_t>(f++)] = true;
+    }
+    if (f == first || time[f - 1] - time[first] < kLongEnough) continue;
+    contact.times = fmt::format("from {:.2f} s to {:.2f} s", time[first], time[f - 1]);
+    looks.push_back(std::move(contact));
+  }
+  if (looks.size() == 2) looks.pop_back();  // the only one
+  return looks;
+}
+
 // What the body's movement needs of the load is that load and what is left at the root.
 PushEvidence push_along(const RootColumns::Shift& shift, const RowMatrix& forces,
-                        const TimeTable& table, const std::vector<bool>& known) {
+                        const TimeTable& table, const Looked& looked) {
   PushEvidence push;
-  int axis = 0;
-  shift.axis.cwiseAbs().maxCoeff(&axis);
-  push.axis = std::string(1, static_cast<char>('x' + axis));
+  push.times = looked.times;
+  push.axis = axis_name(shift);
   const Eigen::VectorXd load = forces * shift.axis, need = load + table.values.col(shift.column);
   double dot = 0.0;
   for (Eigen::Index f = 0; f < load.size(); ++f) {
-    if (known[static_cast<std::size_t>(f)]) dot += load[f] * need[f];
+    if (looked.frames[static_cast<std::size_t>(f)]) dot += load[f] * need[f];
   }
-  const auto n = static_cast<double>(std::count(known.begin(), known.end(), true));
-  push.load_rms = rms_where(load, known);
-  push.need_rms = rms_where(need, known);
+  const auto n = static_cast<double>(std::count(looked.frames.begin(), looked.frames.end(), true));
+  push.load_rms = rms_where(load, looked.frames);
+  push.need_rms = rms_where(need, looked.frames);
   push.cosine = dot / (n * push.load_rms * push.need_rms);
+  push.acts_rms = rms_where(forces.rowwise().norm(), looked.frames);
   return push;
+}
+
+TurnEvidence turn_of(const RootColumns& root, const RowMatrix& forces, const TimeTable& table,
+                     const Looked& looked) {
+  TurnEvidence turn;
+  turn.times = looked.times;
+  const RootColumns::Shift &first = root.level[0], &second = root.level[1];
+  const Eigen::VectorXd x = forces * first.axis, z = forces * second.axis,
+                        left_x = table.values.col(first.column),
+                        left_z = table.values.col(second.column);
+  turn.load_rms = std::hypot(rms_where(x, looked.frames), rms_where(z, looked.frames));
+  const double now = std::hypot(rms_where(left_x, looked.frames), rms_where(left_z, looked.frames));
+  const std::string a = axis_name(first), b = axis_name(second);
+  for (const double s : {1.0, -1.0}) {
+    for (const double t : {1.0, -1.0}) {
+      // The load would be (s z, t x): what is left gets the difference.
+      const double then = std::hypot(rms_where(left_x + x - s * z, looked.frames),
+                                     rms_where(left_z + z - t * x, looked.frames));
+      if (then / now >= turn.left) continue;
+      turn.left = then / now;
+      turn.axes =
+          fmt::format("{} is {}{}, {} is {}{}", a, s < 0.0 ? "-" : "", b, b, t < 0.0 ? "-" : "", a);
+    }
+  }
+  return turn;
 }
 
 // Sums of the loads, and the mass that they carry in the known frames, in which `hangs` is what is
@@ -188,6 +249,11 @@ void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
   const RowMatrix& sums = pushing[0].forces;
   e.peak_load = sums.rowwise().norm().maxCoeff();
   if (!in_ground) return;
+  for (const Pushing& of : pushing) {
+    if (of.body < 0) continue;
+    e.pulls.push_back(
+        {model.bodies[static_cast<std::size_t>(of.body)].name, (of.forces * up_of(model)).mean()});
+  }
   const Eigen::VectorXd vertical = sums * up_of(model);
   const auto n = static_cast<double>(vertical.size());
   e.mean_vertical_load = vertical.mean();
@@ -196,11 +262,19 @@ void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
   const double given = mean_where(vertical, known), left = mean_where(hangs, known);
   if (given > 0.0) e.carried_mass = model.total_mass() * given / (given + left);
   if (e.known == 0) return;
-  for (const RootColumns::Shift& shift : root.level) {
-    for (const Pushing& of : pushing) {
-      if (of.body >= 0 && pushing.size() == 2) continue;  // one body's is the sum
-      e.pushes.push_back(push_along(shift, of.forces, forces, known));
-      if (of.body >= 0) e.pushes.back().body = model.bodies[static_cast<std::size_t>(of.body)].name;
+  for (const Pushing& of : pushing) {
+    const std::string body =
+        of.body < 0 ? std::string() : model.bodies[static_cast<std::size_t>(of.body)].name;
+    for (const Looked& looked : looks_at(of, forces.time, known)) {
+      // One body's is the sum.
+      if (of.body >= 0 && pushing.size() == 2 && looked.times.empty()) continue;
+      for (const RootColumns::Shift& shift : root.level) {
+        e.pushes.push_back(push_along(shift, of.forces, forces, looked));
+        e.pushes.back().body = body;
+      }
+      if (root.level.size() != 2) continue;
+      e.turns.push_back(turn_of(root, of.forces, forces, looked));
+      e.turns.back().body = body;
     }
   }
 }

@@ -213,4 +213,64 @@ void require_own_path(const std::filesystem::path& output, const SourceLocation&
                               "Correct the setup, or give --out FILE."});
 }
 
+namespace {
+
+// Frames on one side of the range that have the tracked markers which `at` has: from it on, by
+// steps of `step`, at most `most`.
+int frames_beside(const IkJob& job, int at, int step, int most) {
+  const MarkerTrajectories& markers = job.recording.markers;
+  const auto complete = [&](int frame) {
+    for (const TrackedMarker& marker : job.tracking.markers) {
+      if (markers.position(at, marker.recorded).allFinite() &&
+          !markers.position(frame, marker.recorded).allFinite()) {
+        return false;
+      }
+    }
+    return true;
+  };
+  int count = 0;
+  while (count < most) {
+    const int frame = at + step * (count + 1);
+    if (frame < 0 || frame >= markers.frame_count() || !complete(frame)) break;
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::optional<CoordinateTable> motion_around(const IkJob& job, const TrackingResult& result,
+                                             double seconds) {
+  const CoordinateTable own = coordinate_table(job.model, result);
+  const auto most = static_cast<int>(std::ceil(seconds * job.recording.markers.rate));
+  const auto n = static_cast<int>(own.time.size());
+  const int first = job.options.first_frame, last = first + n - 1;
+  const int before = frames_beside(job, first, -1, most), after = frames_beside(job, last, 1, most);
+  if (before == 0 && after == 0) return own;
+  CoordinateTable all = own;
+  all.time = job.recording.markers.time.segment(first - before, before + n + after);
+  all.q.resize(before + n + after, own.q.cols());
+  all.q.middleRows(before, n) = own.q;
+  // `count` frames from `begin` on, of which the one in row `shared` is row `to` of the range too.
+  const auto add = [&](int begin, int count, int shared, int to, int row) {
+    TrackingOptions options = job.options;
+    options.first_frame = begin;
+    options.end_frame = begin + count;
+    options.progress = progress_bar("frames beside the range");
+    const TrackingResult beside =
+        track(job.model, job.tree, job.tracking, job.recording.markers, options);
+    if (beside.stopped) return false;
+    const RowMatrix q = coordinate_table(job.model, beside).q;
+    all.q.middleRows(row, count) = q.rowwise() + (own.q.row(to) - q.row(shared));
+    all.q.row(row + shared) = own.q.row(to);
+    return true;
+  };
+  if ((before > 0 && !add(first - before, before + 1, before, 0, 0)) ||
+      (after > 0 && !add(last, after + 1, 0, n - 1, before + n - 1))) {
+    fmt::print(stderr, "stopped; no results were written\n");
+    return std::nullopt;
+  }
+  return all;
+}
+
 }  // namespace sinew

@@ -97,6 +97,13 @@ TimeTable coordinate_motion(const MusculoskeletalModel& model, const TrackingRes
 /// The solution as inverse dynamics takes it.
 CoordinateTable coordinate_table(const MusculoskeletalModel& model, const TrackingResult& result);
 
+/// The same with recorded frames before and after the range that was solved, up to `seconds` of
+/// them, so that filters and derivatives end beside it: as many as have all the markers that the
+/// range's end has. They are solved for themselves and shifted onto its first and last frame, which
+/// keeps whole turns. Nothing if Ctrl-C stopped it, which is said on standard error.
+std::optional<CoordinateTable> motion_around(const IkJob& job, const TrackingResult& result,
+                                             double seconds);
+
 /// Throws InputError at the setup's own line if it names no file or one that does not exist;
 /// `option` is what to give on the command line instead.
 void require_file(const std::filesystem::path& file, const SourceLocation& named_at,

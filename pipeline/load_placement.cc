@@ -11,6 +11,8 @@
 #include "model/limb_paths.h"
 #include "model/segment_words.h"
 #include "model/tree_pose.h"
+#include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_limits.h"
 #include "pipeline/verdict_reasons.h"
 
 namespace sinew {
@@ -117,8 +119,15 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
     pose_tree(tree, q.row(f), ws);
     for (Load& load : all) {
       const ExternalLoads::Sample sample = loads.sample(load.index, time[f]);
-      if (!(sample.force.norm() > least)) continue;
+      const double force = sample.force.norm();
+      if (!(force > 0.0)) continue;
       const Vector3d p = ws.X_WB[static_cast<std::size_t>(sample.point_frame)] * sample.point;
+      const double far = force * (distance_to(ws, load.own, p) - kBeside);
+      if (far > load.placement.far_moment) {
+        load.placement.far_moment = far;
+        load.placement.far_time = time[f];
+      }
+      if (!(force > least)) continue;
       load.distances.push_back(distance_to(ws, load.own, p));
       load.to_other.push_back(distance_to(ws, load.others, p));
       load.nearer += load.to_other.back() + kNearer < load.distances.back();
@@ -155,6 +164,8 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
                                                   const std::vector<std::string>& supporting) {
   std::vector<VerdictReason> reasons;
   const auto name = [&](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
+  const ModelEvidence body = model_evidence(model);
+  const double hicks = limits::kResidualMoment * body.mass * model.gravity.norm() * body.height;
   for (const LoadPlacement& p : placements) {
     if (p.frames == 0) continue;
     if (std::vector<std::string> skipped = skipped_by(model, p.body); !skipped.empty()) {
@@ -196,6 +207,16 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
       r->remedy =
           "look at axes, origin and unit of the centres of pressure: `sinew check LOADS.mot "
           "RECORDING`";
+      if (r->weight == VerdictReason::Weight::kUnusable) r->torques = supporting;
+      continue;
+    }
+    if (auto* r = judge_figure(reasons, {p.far_moment, hicks, 5.0 * hicks}, 1.0, "N m",
+                               "loads-far-point", limits::kHicks)) {
+      r->text = fmt::format("the force on {} acts far from it for a while, most at {:.2f} s",
+                            name(p.body), p.far_time);
+      r->remedy =
+          "centres of pressure of small forces are noise: set forces below 20 N, and their points "
+          "and torques, to 0";
       if (r->weight == VerdictReason::Weight::kUnusable) r->torques = supporting;
     }
   }

@@ -20,6 +20,9 @@ struct LoadPlacement {
   double nearer_other = 0.0;  // part of the loaded frames, by 5 cm or more
   // Of the points whose coordinate along a horizontal axis of ground has the other sign: the axis
   // that brings them nearest to the body, and the middle distance [m].
+  // Over all frames, whatever it carries: the largest force times how much farther than 0.15 m its
+  // point is from the body, and when [N m, s].
+  double far_moment = 0.0, far_time = kNaN;
   int mirror_axis = -1;
   double mirrored = kNaN;
 };

@@ -138,8 +138,14 @@ struct RunCommand {
     const std::vector<VerdictReason> findings = tracking_findings(job, *solved);
     const std::vector<std::string> undetermined = undetermined_names(findings);
     const auto id_start = std::chrono::steady_clock::now();
-    const CoordinateTable solved_motion = coordinate_table(job.model, *solved);
-    std::optional<InverseDynamicsResult> torques = solve_id(job.model, solved_motion, id_job);
+    // Three times as far as what is filtered is seen: accelerations are spoiled farther than
+    // angles.
+    const std::optional<CoordinateTable> solved_motion =
+        motion_around(job, *solved, 3.0 * filter_reach(id_job.options.cutoff));
+    if (!solved_motion) return kExitFailed;
+    id_job.options.from = solved->time[0];
+    id_job.options.to = solved->time[solved->time.size() - 1];
+    std::optional<InverseDynamicsResult> torques = solve_id(job.model, *solved_motion, id_job);
     if (!torques) return kExitFailed;
     report(warnings, torques->warnings);
 
@@ -161,7 +167,7 @@ struct RunCommand {
     }
     summary["inverse_kinematics"]["undetermined"] = undetermined;
     const VerdictEvidence evidence =
-        gather(job, *solved, solved_motion, torques->forces, id_job, lab_job, findings);
+        gather(job, *solved, *solved_motion, torques->forces, id_job, lab_job, findings);
     const Verdict verdict = judge(evidence);
     summary["inverse_dynamics"]["root"] = root_json(*evidence.dynamics);
     summary["verdict"] = verdict_json(verdict);

@@ -70,10 +70,24 @@ void judge_coverage(const DynamicsEvidence& d, std::vector<VerdictReason>& reaso
 
 void judge_direction(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
   // A twentieth of the weight is more than any offset of a platform.
-  if (d.mean_vertical_load < -0.05 * d.weight) {
+  const double least = -0.05 * d.weight;
+  const auto down = [&](const PullEvidence& pull) { return pull.mean < least; };
+  const bool all = std::all_of(d.pulls.begin(), d.pulls.end(), down);
+  if (d.mean_vertical_load < least && all) {
     VerdictReason r = own("loads-pull-down", "the loads pull the body down", kCheckLoads);
     r.weight = Weight::kUnusable;
     r.figure = d.mean_vertical_load;
+    r.limit = 0.0;
+    r.unit = "N";
+    r.torques = d.supporting;
+    reasons.push_back(r);
+  }
+  for (const PullEvidence& pull : d.pulls) {
+    if (all || !down(pull)) continue;
+    VerdictReason r = own("loads-pull-down", fmt::format("the force on {} pulls down", pull.body),
+                          "turn the sign of its forces in the file of the loads");
+    r.weight = Weight::kUnusable;
+    r.figure = pull.mean;
     r.limit = 0.0;
     r.unit = "N";
     r.torques = d.supporting;
@@ -87,31 +101,89 @@ void judge_direction(const DynamicsEvidence& d, std::vector<VerdictReason>& reas
   }
 }
 
+// `the force on calcn_r pushes`.
+std::string pushing(const std::string& body, const std::string& times) {
+  if (body.empty()) return "the loads push";
+  return fmt::format("the force on {} pushes{}{}", body, times.empty() ? "" : " ", times);
+}
+
+// Of the weight: as much as makes a contact of load_placements() a loaded one.
+constexpr double kActs = 0.1;
+constexpr const char* kTurnWhere =
+    "in the file of the loads, or by the platform's corners or channels in the C3D file";
+
 // Sums are the mass times its acceleration, whatever the inner movement: a cosine of -1 is a turned
 // sign, of 0 an exchanged axis or another trial. Of one turned load of several the others suffer
-// less: the worst along each axis is it.
+// less: the worst along each axis is it. Of contacts nothing more is said where a whole load is.
 void judge_pushes(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
-  std::map<std::string, const PushEvidence*> worst;
+  std::map<std::string, const PushEvidence*> whole, contacts;  // the worst along each axis
   for (const PushEvidence& p : d.pushes) {
     if (!(std::min(p.load_rms, p.need_rms) > kLeastPush * d.weight)) continue;
-    const PushEvidence*& so_far = worst[p.axis];
+    const PushEvidence*& so_far = (p.times.empty() ? whole : contacts)[p.axis];
     if (so_far == nullptr || p.cosine < so_far->cosine) so_far = &p;
   }
-  for (const auto& [axis, p] : worst) {
+  for (const auto& [axis, p] : contacts) {
+    const PushEvidence*& load = whole[axis];
+    if (load == nullptr || !(-load->cosine > kTurnedPush)) load = p;
+  }
+  for (const auto& [axis, p] : whole) {
     auto* r = judge_figure(reasons, {-p->cosine, kTurnedPush, kTurnedPush}, 1.0, "", "loads-turned",
                            kOwn);
     if (r == nullptr) continue;
     r->text = fmt::format(
         "{} against the acceleration of the body's mass along {} (minus the cosine of both)",
-        p->body.empty() ? std::string("the loads push")
-                        : fmt::format("the force on {} pushes", p->body),
-        axis);
-    r->remedy = fmt::format(
-        "turn the sign of {} {}: in the file of the loads, or by the platform's corners in the "
-        "C3D file",
-        p->body.empty() ? "their" : "its", axis);
+        pushing(p->body, p->times), axis);
+    r->remedy = fmt::format("turn the sign of {} {}: {}", p->body.empty() ? "their" : "its", axis,
+                            kTurnWhere);
     r->torques = d.supporting;
   }
+}
+
+// Platforms of which a channel is dead, or that measure upwards only.
+void judge_lack_of_push(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
+  const PushEvidence* most = nullptr;
+  for (const PushEvidence& p : d.pushes) {
+    // Something carries the body then.
+    if (!(p.acts_rms > kActs * d.weight) || !(p.need_rms > 3.0 * kLeastPush * d.weight)) continue;
+    if (!(p.load_rms < kDeadPush * p.need_rms)) continue;
+    if (most == nullptr || p.need_rms > most->need_rms) most = &p;
+  }
+  if (most == nullptr) return;
+  VerdictReason r = own(
+      "loads-no-push",
+      fmt::format("{} hardly along {}, while the body's mass accelerates (RMS; needed: {:.1f} N)",
+                  pushing(most->body, most->times), most->axis, most->need_rms),
+      "is a channel of the platform dead, or does it measure upwards only?");
+  r.weight = Weight::kUnusable;
+  r.figure = most->load_rms;
+  r.limit = kDeadPush * most->need_rms;
+  r.unit = "N";
+  r.torques = d.supporting;
+  reasons.push_back(std::move(r));
+}
+
+// Exchanged axes and rotated platforms.
+void judge_turns(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
+  const TurnEvidence *whole = nullptr, *contact = nullptr;  // that a turn mends best
+  for (const TurnEvidence& t : d.turns) {
+    if (!(t.left < kTurnLeaves) || !(t.load_rms > kLeastPush * d.weight)) continue;
+    const TurnEvidence*& best = t.times.empty() ? whole : contact;
+    if (best == nullptr || t.left < best->left) best = &t;
+  }
+  const TurnEvidence* t = whole != nullptr ? whole : contact;
+  if (t == nullptr) return;
+  VerdictReason r =
+      own("loads-turned",
+          fmt::format("{} along other axes than the body's mass accelerates: with {} a part of the "
+                      "horizontal force at the pelvis would be left",
+                      pushing(t->body, t->times), t->axes),
+          fmt::format("turn them: {}", kTurnWhere));
+  r.weight = Weight::kUnusable;
+  r.figure = 100.0 * t->left;
+  r.limit = 100.0 * kTurnLeaves;
+  r.unit = "% of it";
+  r.torques = d.supporting;
+  reasons.push_back(std::move(r));
 }
 
 void judge_mass(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
@@ -124,7 +196,8 @@ void judge_mass(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) 
   if (r == nullptr) return;
   r->text =
       fmt::format("the ground carries {:.1f} kg, the model has {:.1f} kg", d.carried_mass, mass);
-  r->remedy = fmt::format("--mass {:.1f}", d.carried_mass);
+  r->remedy = fmt::format("{} {:.1f}, or look at the forces' scale: `sinew check`",
+                          d.by_platforms ? "--mass" : "`sinew scale --mass`", d.carried_mass);
   if (r->weight == Weight::kUnusable) r->torques = d.coordinates;
 }
 
@@ -135,7 +208,10 @@ void judge_root(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) 
                              "% of the largest ground force", "residual-force", kHicks)) {
     r->text = "a force at the pelvis that nothing exerts (RMS)";
     r->remedy = r->weight == Weight::kUnusable ? kCheckLoads
-                                               : "--mass, and the same --cutoff as the forces had";
+                : d.by_platforms
+                    ? "--mass, and the same --cutoff as the forces had"
+                    : "the model's mass (`sinew scale --mass`), and the same --cutoff as the "
+                      "forces had";
     if (r->weight == Weight::kUnusable) r->torques = d.coordinates;
   }
   const double moment = d.root.moment_rms / (d.peak_load * d.height);
@@ -158,6 +234,8 @@ std::vector<VerdictReason> judge_dynamics(const DynamicsEvidence& dynamics) {
     if (dynamics.loads_given) {
       judge_direction(dynamics, reasons);
       judge_pushes(dynamics, reasons);
+      judge_turns(dynamics, reasons);
+      judge_lack_of_push(dynamics, reasons);
       judge_mass(dynamics, reasons);
       judge_root(dynamics, reasons);
     }

@@ -29,10 +29,28 @@ struct RootResidual {
 /// load and what is left at the root. Over the known frames.
 struct PushEvidence {
   std::string body;        // that it acts on; empty: the sum of all loads
+  std::string times;       // of one contact, for people; empty: all of them
   std::string axis;        // "x" …
   double load_rms = kNaN;  // [N]
   double need_rms = kNaN;  // [N]
   double cosine = kNaN;    // between both, over the frames
+  double acts_rms = kNaN;  // of the load, along all axes [N]
+};
+
+/// Along both horizontal axes of ground: by how much less is left at the root if a load is turned
+/// by a right angle or its axes are exchanged, which is what exchanged channels and rotated
+/// platforms do. Over the known frames.
+struct TurnEvidence {
+  std::string body, times;  // as PushEvidence's
+  std::string axes;         // "x is z, z is -x" of what fits best
+  double load_rms = kNaN;   // [N]
+  double left = kNaN;       // RMS of the horizontal force left then, over that which is left now
+};
+
+/// Mean of a body's load, upwards.
+struct PullEvidence {
+  std::string body;
+  double mean = kNaN;  // [N]
 };
 
 struct DynamicsEvidence {
@@ -54,6 +72,8 @@ struct DynamicsEvidence {
   double carried_mass = kNaN;
   bool mass_of_some_frames = true;
   std::vector<PushEvidence> pushes;
+  std::vector<TurnEvidence> turns;
+  std::vector<PullEvidence> pulls;
   RootResidual root;                     // over the known frames, or over all if there are none
   std::vector<FootEvidence> feet;        // by the platforms
   std::vector<std::string> supporting;   // coordinates between what carries the body and the root
@@ -62,8 +82,9 @@ struct DynamicsEvidence {
 };
 
 /// Codes: `no-loads`, `loads-missing`, `loads-pull-down`, `loads-sideways`, `loads-turned`,
-/// `mass-carried`, `residual-force`, `residual-moment`, `not-in-motion`. A model that the ground
-/// holds has no residuals: what acts at its root is a torque like any other. O(feet + coordinates).
+/// `loads-no-push`, `mass-carried`, `residual-force`, `residual-moment`, `not-in-motion`. A model
+/// that the ground holds has no residuals: what acts at its root is a torque like any other. O(feet
+/// + coordinates).
 std::vector<VerdictReason> judge_dynamics(const DynamicsEvidence& dynamics);
 
 /// Coordinates whose torques can be used in some of the frames only.

@@ -1,5 +1,7 @@
 #include "pipeline/verdict_evidence.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -193,13 +195,42 @@ KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& r
   return evidence;
 }
 
+std::vector<VerdictReason> lock_reasons(const MusculoskeletalModel& model) {
+  if (!stands_for_a_person(model)) return {};
+  const auto locked = [&](int c) { return model.coordinates[static_cast<std::size_t>(c)].locked; };
+  VerdictReason r;
+  for (std::size_t b = 1; b < model.bodies.size(); ++b) {
+    const Joint& joint = model.joints[b - 1];
+    const int other = partner_body(model, static_cast<int>(b));
+    const Joint* partner = other > 0 ? &model.joints[static_cast<std::size_t>(other) - 1] : nullptr;
+    for (std::size_t i = 0; i < joint.coordinates.size(); ++i) {
+      if (!locked(joint.coordinates[i])) continue;
+      const bool one_side =
+          partner != nullptr && i < partner->coordinates.size() && !locked(partner->coordinates[i]);
+      const bool root = joint.parent == 0 &&
+                        !std::all_of(joint.coordinates.begin(), joint.coordinates.end(), locked);
+      if (!one_side && !root) continue;
+      r.angles.push_back(model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].name);
+    }
+  }
+  if (r.angles.empty()) return {};
+  r.code = "locked";
+  r.torques = r.angles;
+  r.text = fmt::format("the model locks {}, but not what moves with it or on the other side",
+                       some_names(r.angles));
+  r.source = limits::kOwn;
+  r.remedy = "unlock in the model what the person can move";
+  return {r};
+}
+
 std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingResult& result) {
   std::vector<VerdictReason> found = coverage_reasons(job, result);
   if (job.find_exchanges && stands_for_a_person(job.model)) {
     const std::vector<VerdictReason> more = exchange_reasons(job.recording);
     found.insert(found.end(), more.begin(), more.end());
   }
-  for (const std::vector<VerdictReason>& more : {angle_jumps(job.model, result), job.reasons}) {
+  for (const std::vector<VerdictReason>& more :
+       {angle_jumps(job.model, result), job.reasons, lock_reasons(job.model)}) {
     found.insert(found.end(), more.begin(), more.end());
   }
   return found;

@@ -21,6 +21,10 @@ ModelEvidence model_evidence(const MusculoskeletalModel& model);
 KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& result,
                                        double static_rms, const std::vector<VerdictReason>& found);
 
+/// `locked`: coordinates of a person's model that it locks on one side only, or at the root, where
+/// others are free; models of both hands' wrists or feet locked are what their authors meant.
+std::vector<VerdictReason> lock_reasons(const MusculoskeletalModel& model);
+
 /// What others find in a solved trial: angles that no marker determines, steps, gaps, and markers
 /// that bear each other's names, unless that was looked for before. Time: one eigenvalue
 /// decomposition, and O(frames · markers).

@@ -54,6 +54,12 @@ constexpr double kWorstResidualMoment = 20.0 * kResidualMoment;
 // to 0.8 and more.
 constexpr double kLeastPush = 0.02;
 constexpr double kTurnedPush = 0.5;
+// A load that pushes less than this part of what is needed of it pushes not at all; published ones
+// push a sixth and more.
+constexpr double kDeadPush = 0.05;
+// What a turn by a right angle leaves of the horizontal force at the root: as much as a turned sign
+// does at that cosine, sqrt((1 - 0.5) / (1 + 0.5)).
+constexpr double kTurnLeaves = 0.577;
 // A frame lacks loads where this much of the weight hangs on the root: in walking each leg carries
 // as much for most of its stance.
 constexpr double kUncarried = 0.5;

@@ -209,16 +209,22 @@ TEST(LabScaleSetup, GivesTheModelThatScaleGives) {
   const TimeTable torques = read_storage(folder.path() / "id.sto").table;
   const TimeTable published_angles = read_storage(from / "reference/subject01_walk1_ik.mot").table;
   const TimeTable published_torques = read_storage(from / "reference/inverse_dynamics.sto").table;
-  const auto largest = [](const TimeTable& a, const TimeTable& b, const std::string& column) {
+  // Without so many frames at either end.
+  const auto largest = [](const TimeTable& a, const TimeTable& b, const std::string& column,
+                          Eigen::Index ends) {
     EXPECT_EQ(a.time.size(), b.time.size());
     return (a.values.col(a.find_column(column)) - b.values.col(b.find_column(column)))
+        .segment(ends, a.time.size() - 2 * ends)
         .cwiseAbs()
         .maxCoeff();
   };
+  // The published motion ends with the range, and so does its filter, which bends it for a period
+  // of 6 Hz; ours knows what follows.
+  constexpr Eigen::Index kFilterEnds = 10;
   for (const char* joint : {"hip_flexion_r", "knee_angle_r", "ankle_angle_r", "hip_flexion_l"}) {
-    EXPECT_LT(largest(angles, published_angles, joint), 2.0) << joint;  // [degrees]
+    EXPECT_LT(largest(angles, published_angles, joint, 0), 2.0) << joint;  // [degrees]
     const std::string moment = std::string(joint) + "_moment";
-    EXPECT_LT(largest(torques, published_torques, moment), 4.0) << joint;  // [N m]
+    EXPECT_LT(largest(torques, published_torques, moment, kFilterEnds), 4.0) << joint;  // [N m]
   }
 }
 

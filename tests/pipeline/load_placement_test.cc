@@ -59,7 +59,10 @@ TEST_F(LoadPlacementOfWalk, IsRightAsRecorded) {
   const Json verdict = judged("grf.xml", 0);
   EXPECT_TRUE(reason(verdict, "loads-of-other-foot").is_null()) << verdict;
   EXPECT_TRUE(reason(verdict, "loads-beside-foot").is_null()) << verdict;
-  EXPECT_TRUE(reason(verdict, "loads-mirrored").is_null()) << verdict;
+  for (const char* code :
+       {"loads-mirrored", "loads-turned", "loads-no-push", "loads-far-point", "loads-pull-down"}) {
+    EXPECT_TRUE(reason(verdict, code).is_null()) << verdict;
+  }
 }
 
 // The walk goes along z = 0, its left foot where its right one's mirror image is.
@@ -95,6 +98,48 @@ TEST_F(LoadPlacementOfWalk, TellsHowFarBesideTheFootForcesAct) {
   ASSERT_FALSE(far.is_null());
   EXPECT_EQ(far["weight"], "unusable");
   EXPECT_NEAR(far["figure"].get<double>(), 1000.0, 80.0);  // half of a foot's width
+}
+
+// Centres of pressure as laboratories export them where hardly anything acts.
+TEST_F(LoadPlacementOfWalk, TellsPointsThatAreFarOffWhereForcesAreSmall) {
+  TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+  const int force = loads.find_column("ground_force_r_vy"),
+            point = loads.find_column("ground_force_r_px");
+  ASSERT_TRUE(force >= 0 && point >= 0);
+  double farthest = 0.0;
+  for (Eigen::Index f = 0; f < loads.time.size(); ++f) {
+    if (!(loads.values(f, force) > 0.0) || loads.values(f, force) > 40.0) continue;
+    loads.values(f, point) += 20.0;
+    // Markers are recorded at 100 Hz.
+    const double hundredths = 100.0 * loads.time[f];
+    if (std::abs(hundredths - std::round(hundredths)) > 1e-6) continue;
+    farthest = std::max(farthest, loads.values(f, force) * 20.0);
+  }
+  ASSERT_GT(farthest, 100.0);
+  write_storage(trial_->path() / "moved.mot", loads);
+  std::string setup = content_of(trial_->path() / "grf.xml");
+  setup.replace(setup.find("grf.mot"), 7, "moved.mot");
+  trial_->write("moved.xml", setup);
+  const Json found = reason(judged("moved.xml", 1), "loads-far-point");
+  ASSERT_FALSE(found.is_null());
+  // The foot is no farther than its length, and its force is not the upward part alone.
+  EXPECT_NEAR(found["figure"].get<double>(), farthest, 0.1 * farthest);
+}
+
+// Exchanged columns leave every length as it is.
+TEST_F(LoadPlacementOfWalk, TellsExchangedAxes) {
+  TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+  for (const std::string side : {"r", "l"}) {
+    loads.values.col(loads.find_column("ground_force_" + side + "_vx"))
+        .swap(loads.values.col(loads.find_column("ground_force_" + side + "_vz")));
+  }
+  write_storage(trial_->path() / "moved.mot", loads);
+  std::string setup = content_of(trial_->path() / "grf.xml");
+  setup.replace(setup.find("grf.mot"), 7, "moved.mot");
+  trial_->write("moved.xml", setup);
+  const Json found = reason(judged("moved.xml", 1), "loads-turned");
+  ASSERT_FALSE(found.is_null());
+  EXPECT_NE(found["text"].get<std::string>().find("x is z, z is x"), std::string::npos) << found;
 }
 
 TEST_F(LoadPlacementOfWalk, TellsForcesOnLegs) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/osim_file.h"
+#include "model/whole_body.h"
 #include "pipeline/dynamics_evidence.h"
 #include "tests/pipeline/small_trial.h"
 
@@ -148,6 +149,10 @@ TEST_F(Evidence, OfOnePushOfTwo) {
   left.values.col(1).segment(30, 30).setZero();
   const DynamicsEvidence e = dynamics_evidence(model_, left, both, {});
   ASSERT_EQ(e.pushes.size(), 3u);
+  EXPECT_TRUE(e.turns.empty());  // along one axis there is nothing to exchange
+  ASSERT_EQ(e.pulls.size(), 2u);
+  EXPECT_EQ(e.pulls[1].body, "trunk");
+  EXPECT_NEAR(e.pulls[1].mean, kWeight, 1e-6);
   EXPECT_NEAR(e.pushes[0].cosine, -0.6, 1e-6);
   EXPECT_EQ(e.pushes[1].body, "thigh");
   EXPECT_NEAR(e.pushes[1].cosine, -1.0, 1e-6);
@@ -246,6 +251,30 @@ TEST_F(Evidence, OfAMotionThatLacksACoordinate) {
   coupler.independent = 0;
   model_.couplers.push_back(coupler);
   EXPECT_TRUE(coordinates_not_given(model_, motion).empty());
+}
+
+TEST(Locks, OfOneSideAndOfARootAreNamed) {
+  MusculoskeletalModel body = whole_body({});
+  const auto set = [&](const std::string& name, bool locked) {
+    for (Coordinate& c : body.coordinates) {
+      if (c.name == name) {
+        c.locked = locked;
+        return;
+      }
+    }
+    ADD_FAILURE() << name;
+  };
+  EXPECT_TRUE(lock_reasons(body).empty());
+  set("knee_angle_r", true);
+  const std::vector<VerdictReason> knee = lock_reasons(body);
+  ASSERT_EQ(knee.size(), 1u);
+  EXPECT_EQ(knee[0].code, "locked");
+  EXPECT_EQ(knee[0].angles, Names{"knee_angle_r"});
+  set("knee_angle_l", true);  // as a robot walks
+  EXPECT_TRUE(lock_reasons(body).empty());
+  set("pelvis_tilt", true);
+  ASSERT_EQ(lock_reasons(body).size(), 1u);
+  EXPECT_EQ(lock_reasons(body)[0].torques, Names{"pelvis_tilt"});
 }
 
 }  // namespace

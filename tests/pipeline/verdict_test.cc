@@ -221,19 +221,43 @@ TEST(JudgeDynamics, LooksAtTheLoadsDirectionAndSum) {
   d.horizontal_load_rms = 741.0;
   expect_reason(judge_dynamics(d), "loads-sideways", Weight::kRemark, 741.0, 740.0, "N");
   d = good_dynamics();
-  d.pushes = {{"", "x", 90.0, 95.0, 0.97}, {"", "z", 30.0, 28.0, -0.6}};
+  d.pushes = {{"", "", "x", 90.0, 95.0, 0.97}, {"", "", "z", 30.0, 28.0, -0.6}};
   expect_reason(judge_dynamics(d), "loads-turned", Weight::kUnusable, 0.6, 0.5, "");
   EXPECT_EQ(find(judge_dynamics(d), "loads-turned")->torques, d.supporting);
   d.pushes[1].load_rms = 0.01 * d.weight;  // little, as of an offset
   EXPECT_TRUE(judge_dynamics(d).empty());
   // One foot's alone spoils the sum as well.
-  d.pushes = {{"", "x", 90.0, 95.0, -0.6},
-              {"calcn_r", "x", 80.0, 95.0, 0.2},
-              {"calcn_l", "x", 80.0, 95.0, -0.97}};
+  d.pushes = {{"", "", "x", 90.0, 95.0, -0.6},
+              {"calcn_r", "", "x", 80.0, 95.0, 0.2},
+              {"calcn_l", "", "x", 80.0, 95.0, -0.97}};
   const std::vector<VerdictReason> turned = judge_dynamics(d);
   ASSERT_EQ(turned.size(), 1u);
   expect_reason(turned, "loads-turned", Weight::kUnusable, 0.97, 0.5, "");
   EXPECT_EQ(turned[0].text.substr(0, 27), "the force on calcn_l pushes");
+  // Or one contact's, which its whole load hides.
+  d.pushes = {{"calcn_r", "", "x", 80.0, 95.0, 0.1},
+              {"calcn_r", "from 1.00 s to 1.60 s", "x", 80.0, 95.0, -0.9}};
+  EXPECT_EQ(judge_dynamics(d).at(0).text.substr(0, 49),
+            "the force on calcn_r pushes from 1.00 s to 1.60 s");
+  d.pushes = {{"calcn_r", "", "x", 4.0, 95.0, 0.1, 500.0}};
+  expect_reason(judge_dynamics(d), "loads-no-push", Weight::kUnusable, 4.0, 4.75, "N");
+  d.pushes[0].acts_rms = 50.0;  // the other foot stands
+  EXPECT_TRUE(judge_dynamics(d).empty());
+  d.pushes[0].acts_rms = 500.0;
+  d.pushes[0].load_rms = 5.0;
+  EXPECT_TRUE(judge_dynamics(d).empty());
+  d.pushes.clear();
+  d.turns = {{"", "", "x is z, z is x", 90.0, 0.3}, {"calcn_r", "", "x is -z, z is x", 80.0, 0.9}};
+  expect_reason(judge_dynamics(d), "loads-turned", Weight::kUnusable, 30.0, 57.7, "% of it");
+  EXPECT_NE(judge_dynamics(d)[0].text.find("with x is z, z is x a part"), std::string::npos);
+  d.turns[0].left = 0.6;
+  EXPECT_TRUE(judge_dynamics(d).empty());
+  d.turns.clear();
+  d.pulls = {{"calcn_r", 300.0}, {"calcn_l", -300.0}};
+  expect_reason(judge_dynamics(d), "loads-pull-down", Weight::kUnusable, -300.0, 0.0, "N");
+  EXPECT_EQ(judge_dynamics(d)[0].text, "the force on calcn_l pulls down");
+  d.pulls[1].mean = -10.0;  // an offset
+  EXPECT_TRUE(judge_dynamics(d).empty());
   d = good_dynamics();
   d.carried_mass = 60.0;  // the model has a quarter more
   expect_reason(judge_dynamics(d), "mass-carried", Weight::kRemark, 25.0, 3.0, "%");
