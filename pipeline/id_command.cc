@@ -11,6 +11,7 @@
 #include "pipeline/id_options.h"
 #include "pipeline/ik_job.h"
 #include "pipeline/load_placement.h"
+#include "pipeline/motion_reasons.h"
 #include "pipeline/option_checks.h"
 #include "pipeline/output_check.h"
 #include "pipeline/undetermined.h"
@@ -132,7 +133,9 @@ struct IdCommand {
                                evidence.dynamics->supporting);
     const std::vector<VerdictReason> filtered =
         angle_filter_reasons(description, motion, job.options.cutoff);
-    evidence.found.insert(evidence.found.end(), filtered.begin(), filtered.end());
+    for (const std::vector<VerdictReason>& more : {filtered, motion_reasons(description, motion)}) {
+      evidence.found.insert(evidence.found.end(), more.begin(), more.end());
+    }
     return evidence;
   }
 };
