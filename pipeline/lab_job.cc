@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "data/carried_mass.h"
+#include "data/frame_continuity.h"
 #include "data/input_file.h"
 #include "data/marker_matching.h"
 #include "data/mass_unit.h"
@@ -73,6 +74,7 @@ class Preparation {
     const GenericModel generic = generic_model(job_.ik.model, entered_, options_, folder_, log_);
     report(warnings_, generic.model.warnings);
     check_first(generic, walk);
+    note(frame_reasons(walk.file.markers));
     MarkerTrajectories markers = name(walk, "", generic.model);
     const GapFillResult filled =
         fill_lab_markers(markers, walk.file.path, generic.file, folder_ / kFilled, log_, warnings_);

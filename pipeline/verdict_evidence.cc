@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "data/conditioning.h"
+#include "data/frame_continuity.h"
 #include "ik/angle_jumps.h"
 #include "model/limb_paths.h"
 #include "model/model_check.h"
@@ -226,8 +228,12 @@ std::vector<VerdictReason> lock_reasons(const MusculoskeletalModel& model) {
 std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingResult& result) {
   std::vector<VerdictReason> found = coverage_reasons(job, result);
   if (job.find_exchanges && stands_for_a_person(job.model)) {
-    const std::vector<VerdictReason> more = exchange_reasons(job.recording);
-    found.insert(found.end(), more.begin(), more.end());
+    const MarkerTrajectories solved =
+        slice(job.recording.markers, job.options.first_frame, job.options.end_frame);
+    for (const std::vector<VerdictReason>& more :
+         {exchange_reasons(job.recording), frame_reasons(solved)}) {
+      found.insert(found.end(), more.begin(), more.end());
+    }
   }
   for (const std::vector<VerdictReason>& more :
        {angle_jumps(job.model, result), job.reasons, lock_reasons(job.model)}) {
