@@ -15,6 +15,7 @@ namespace sinew {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kTurns = 1e-4;             // [rad] less is a joint that nobody measured
 constexpr double kTravels = 0.3;            // [m] a step and more
 constexpr double kBeyond = 20.0 * kDegree;  // as what decides the unit of a file without one
 constexpr double kShiftedBeyond = 0.05;     // [m]
@@ -42,7 +43,7 @@ std::vector<VerdictReason> motion_reasons(const MusculoskeletalModel& model,
     const auto q = motion.q.col(static_cast<Eigen::Index>(c));
     if (turns(coordinate)) {
       largest = std::max(largest, q.cwiseAbs().maxCoeff());
-      ++angles;
+      angles += !root && range_of(motion, c) > kTurns;
     } else if (root && coordinate.motion == Coordinate::Motion::kTranslational) {
       travel = std::max(travel, range_of(motion, c));
     }
