@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <kinsol/kinsol.h>
 #include <nvector/nvector_serial.h>
+#include <sundials/sundials_config.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
 #include <Eigen/QR>
@@ -25,6 +26,14 @@ using Eigen::VectorXd;
 // A pivot of J below this part of the largest is rounding of what should be zero.
 constexpr double kRankThreshold = 1e-12;
 
+// What SUNDIALS 7 renamed of 6.
+#if SUNDIALS_VERSION_MAJOR >= 7
+const SUNComm kAlone = SUN_COMM_NULL;
+#else
+void* const kAlone = nullptr;
+#endif
+constexpr int kDone = 0;  // SUNLS_SUCCESS, then SUN_SUCCESS
+
 // SUNDIALS' objects, each freed in its own way.
 struct Free {
   void operator()(SUNContext context) const { SUNContext_Free(&context); }
@@ -38,7 +47,7 @@ using Owner = std::unique_ptr<std::remove_pointer_t<Pointer>, Free>;
 
 Owner<SUNContext> make_context() {
   SUNContext context = nullptr;
-  if (SUNContext_Create(nullptr, &context) != 0) throw std::bad_alloc();
+  if (SUNContext_Create(kAlone, &context) != 0) throw std::bad_alloc();
   return Owner<SUNContext>(context);
 }
 
@@ -68,11 +77,10 @@ struct LeastNormSolver {
     self.J = padded.topLeftCorner(self.rows, self.columns);
     self.factors.setThreshold(kRankThreshold);
     self.factors.compute(self.J);
-    return self.factors.rank() == std::min(self.rows, self.columns) ? SUNLS_SUCCESS
-                                                                    : SUNLS_QRFACT_FAIL;
+    return self.factors.rank() == std::min(self.rows, self.columns) ? kDone : SUNLS_QRFACT_FAIL;
   }
 
-  static int solve(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, realtype) {
+  static int solve(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, sunrealtype) {
     LeastNormSolver& self = of(solver);
     auto step = map(x).head(self.columns);
     map(x).setZero();
@@ -80,7 +88,7 @@ struct LeastNormSolver {
     // KINSOL takes b for J x, the slope of its line search; so it is, but for least squares.
     map(b).head(self.rows) = self.J * step;
     self.step_norm = step.norm();
-    return step.allFinite() ? SUNLS_SUCCESS : SUNLS_QRSOL_FAIL;
+    return step.allFinite() ? kDone : SUNLS_QRSOL_FAIL;
   }
 };
 
@@ -158,7 +166,7 @@ class NewtonRaphson::Kinsol {
     std::fill(tree_.upper.begin(), tree_.upper.end(), HUGE_VAL);
     N_VConst(1.0, scale_.get());
     void* k = kinsol_.get();
-    check(KINSetErrHandlerFn(k, remember, this), "KINSetErrHandlerFn");
+    hear_errors();
     check(KINSetUserData(k, this), "KINSetUserData");
     check(KINInit(k, equations, u_.get()), "KINInit");
     check(KINSetLinearSolver(k, linear_.get(), J_.get()), "KINSetLinearSolver");
@@ -213,9 +221,22 @@ class NewtonRaphson::Kinsol {
     }
   }
 
-  static void remember(int, const char*, const char*, char* message, void* self) {
-    static_cast<Kinsol*>(self)->message_ = message;
+#if SUNDIALS_VERSION_MAJOR >= 7
+  void hear_errors() {
+    SUNContext_ClearErrHandlers(context_.get());
+    const auto remember = [](int, const char*, const char*, const char* message, SUNErrCode,
+                             void* self,
+                             SUNContext) { static_cast<Kinsol*>(self)->message_ = message; };
+    check(SUNContext_PushErrHandler(context_.get(), remember, this), "SUNContext_PushErrHandler");
   }
+#else
+  void hear_errors() {
+    const auto remember = [](int, const char*, const char*, char* message, void* self) {
+      static_cast<Kinsol*>(self)->message_ = message;
+    };
+    check(KINSetErrHandlerFn(kinsol_.get(), remember, this), "KINSetErrHandlerFn");
+  }
+#endif
 
   // Kinematics of q(u).
   void place(N_Vector u) {

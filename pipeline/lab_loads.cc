@@ -102,7 +102,7 @@ FootAssignment settle_contacts(std::vector<ForcePlatformRecording>& plates,
     }
     const Decision decision = decision_of(names[i], contact, found, platform);
     const std::string value = log.settle_text(decision);
-    if (value == decision.found) continue;
+    if (value == decision.found.get_ref<const std::string&>()) continue;
     // Half a sample beyond, so that the middle of a contact of one sample lies within.
     overrides.push_back(
         {platform, value == "unusable" ? "none" : value, contact.from - 1e-6, contact.to + 1e-6});
