@@ -20,11 +20,11 @@ struct LoadPlacement {
   double nearer_other = 0.0;  // part of the loaded frames, by 5 cm or more
   // Of the points whose coordinate along a horizontal axis of ground has the other sign: the axis
   // that brings them nearest to the body, and the middle distance [m].
+  int mirror_axis = -1;
+  double mirrored = kNaN;
   // Over all frames, whatever it carries: the largest force times how much farther than 0.15 m its
   // point is from the body, and when [N m, s].
   double far_moment = 0.0, far_time = kNaN;
-  int mirror_axis = -1;
-  double mirrored = kNaN;
 };
 
 /// Every load that has a point, of a model that stands for a person. A body is where its origin,
