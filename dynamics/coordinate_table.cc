@@ -11,10 +11,6 @@ namespace sinew {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-// No joint turns once around; a heading may, hardly twice.
-constexpr double kLargestRadians = 2.0 * std::numbers::pi;
-// Inverse kinematics without bounds may pass a range by some degrees, not by this much.
-constexpr double kRangeMargin = 20.0 * kRadiansPerDegree;
 constexpr int kColumnsBeyondRange = 2;
 
 // `knee_r` of `knee_r`, `/jointset/knee/knee_r/value`, `knee/knee_r/value`; empty for other states.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "model/musculoskeletal_model.h"
 
 namespace sinew {
+
+/// No joint turns once around; a heading may, hardly twice [rad].
+constexpr double kLargestRadians = 2.0 * std::numbers::pi;
+/// Inverse kinematics without bounds may pass a range by some degrees, not by this much [rad].
+constexpr double kRangeMargin = 20.0 * std::numbers::pi / 180.0;
 
 /// A motion in the model's own terms.
 struct CoordinateTable {

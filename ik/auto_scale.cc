@@ -57,6 +57,11 @@ class AutoScaler {
                  const MatrixXd& J);
   bool step();
   void iterate();
+  // body(marker, X_WB of its body, measured less where the model has it in ground [m]) of every
+  // measured marker in the frames, or in those of a sample.
+  template <typename Body>
+  void for_each_error(const CompiledSamples& compiled, const std::vector<Frame>& frames,
+                      std::optional<std::size_t> of_sample, const Body& body) const;
   double rms(const CompiledSamples& compiled, const std::vector<Frame>& frames,
              std::optional<std::size_t> of_sample = {}) const;
   RowMatrix mean_residuals(const CompiledSamples& compiled, std::size_t sample) const;
@@ -180,10 +185,9 @@ double AutoScaler::fit_poses(const CompiledSamples& compiled, std::vector<Frame>
   return sum;
 }
 
-double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>& frames,
-                       std::optional<std::size_t> of_sample) const {
-  double sum = 0.0;
-  int count = 0;
+template <typename Body>
+void AutoScaler::for_each_error(const CompiledSamples& compiled, const std::vector<Frame>& frames,
+                                std::optional<std::size_t> of_sample, const Body& body) const {
   KinematicWorkspace ws(compiled.tree);
   for (const Frame& frame : frames) {
     if (of_sample && *of_sample != frame.sample) continue;
@@ -192,15 +196,24 @@ double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>
     const TrackingProblem& problem = compiled.problems[frame.sample];
     for (std::size_t i = 0; i < problem.markers.size(); ++i) {
       const PositionResidual& r = problem.problem.positions[i];
-      const double error =
-          (samples_[frame.sample].file.markers.position(frame.index, problem.markers[i].recorded) -
-           ws.X_WB[static_cast<std::size_t>(r.link)] * r.p_BP)
-              .squaredNorm();
-      if (std::isnan(error)) continue;
-      sum += error;
-      ++count;
+      const RigidTransform& X_WB = ws.X_WB[static_cast<std::size_t>(r.link)];
+      const Eigen::Vector3d error =
+          samples_[frame.sample].file.markers.position(frame.index, problem.markers[i].recorded) -
+          X_WB * r.p_BP;
+      if (error.allFinite()) body(problem.markers[i], X_WB, error);
     }
   }
+}
+
+double AutoScaler::rms(const CompiledSamples& compiled, const std::vector<Frame>& frames,
+                       std::optional<std::size_t> of_sample) const {
+  double sum = 0.0;
+  int count = 0;
+  for_each_error(compiled, frames, of_sample,
+                 [&](const TrackedMarker&, const RigidTransform&, const Eigen::Vector3d& error) {
+                   sum += error.squaredNorm();
+                   ++count;
+                 });
   return std::sqrt(sum / count);
 }
 
@@ -208,23 +221,12 @@ RowMatrix AutoScaler::mean_residuals(const CompiledSamples& compiled, std::size_
   const auto n = static_cast<Eigen::Index>(compiled.model.markers.size());
   RowMatrix sums = RowMatrix::Zero(n, 3);
   VectorXd counts = VectorXd::Zero(n);
-  KinematicWorkspace ws(compiled.tree);
-  for (const Frame& frame : frames_) {
-    if (frame.sample != sample) continue;
-    std::copy(frame.q.begin(), frame.q.end(), ws.q.begin());
-    update_poses(compiled.tree, ws);
-    const TrackingProblem& problem = compiled.problems[sample];
-    for (std::size_t i = 0; i < problem.markers.size(); ++i) {
-      const PositionResidual& r = problem.problem.positions[i];
-      const RigidTransform& X_WB = ws.X_WB[static_cast<std::size_t>(r.link)];
-      const Eigen::Vector3d error =
-          samples_[sample].file.markers.position(frame.index, problem.markers[i].recorded) -
-          X_WB * r.p_BP;
-      if (!error.allFinite()) continue;
-      sums.row(problem.markers[i].model) += (X_WB.R.transpose() * error).transpose();
-      counts[problem.markers[i].model] += 1.0;
-    }
-  }
+  for_each_error(
+      compiled, frames_, sample,
+      [&](const TrackedMarker& marker, const RigidTransform& X_WB, const Eigen::Vector3d& error) {
+        sums.row(marker.model) += (X_WB.R.transpose() * error).transpose();
+        counts[marker.model] += 1.0;
+      });
   return sums.array().colwise() / counts.array();  // 0/0 where nothing is measured
 }
 

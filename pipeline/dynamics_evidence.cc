@@ -1,28 +1,21 @@
 #include "pipeline/dynamics_evidence.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "data/numbers.h"
 #include "model/limb_paths.h"
+#include "pipeline/push_evidence.h"
 #include "pipeline/verdict_evidence.h"
 #include "pipeline/verdict_limits.h"
 
 namespace sinew {
 namespace {
 
-// Forces on one body, or on all of them: frames × 3 in ground's axes.
-struct Pushing {
-  int body = -1;  // -1: all
-  RowMatrix forces;
-};
-
 // Of all loads, then of every loaded body; false if some are given in other axes than ground's.
 bool sum_loads(const ExternalLoads& loads, const Eigen::VectorXd& time,
-               std::vector<Pushing>& sums) {
+               std::vector<BodyForces>& sums) {
   sums = {{-1, RowMatrix::Zero(time.size(), 3)}};
   bool in_ground = true;
   for (int load = 0; load < loads.size() && time.size() > 0; ++load) {
@@ -42,13 +35,9 @@ bool sum_loads(const ExternalLoads& loads, const Eigen::VectorXd& time,
 
 // Columns of the joints that connect the model to ground.
 struct RootColumns {
-  struct Shift {
-    int column = -1;
-    Eigen::Vector3d axis;  // in ground
-  };
   std::vector<int> forces, moments;
-  std::vector<Shift> level;  // forces along a horizontal axis of ground
-  int vertical = -1;         // the force along up, where a coordinate is just that
+  std::vector<LevelForce> level;
+  int vertical = -1;  // the force along up, where a coordinate is just that
   double sign = 1.0;
 };
 
@@ -71,12 +60,6 @@ Eigen::Vector3d shift_axis(const Joint& joint, int coordinate) {
   const int axis = shift - turns;
   if (axis < 0 || axis > 2) return Eigen::Vector3d::Zero();
   return joint.X_PF.R.col(axis);
-}
-
-std::string axis_name(const RootColumns::Shift& shift) {
-  int axis = 0;
-  shift.axis.cwiseAbs().maxCoeff(&axis);
-  return std::string(1, static_cast<char>('x' + axis));
 }
 
 RootColumns root_columns(const MusculoskeletalModel& model, const TimeTable& forces) {
@@ -108,20 +91,6 @@ Eigen::VectorXd lengths(const TimeTable& table, const std::vector<int>& columns)
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(table.values.rows());
   for (const int column : columns) squares += table.values.col(column).cwiseAbs2();
   return squares.cwiseSqrt();
-}
-
-// RMS over the frames that are wanted, or over all where none is.
-double rms_where(const Eigen::VectorXd& values, const std::vector<bool>& wanted) {
-  double sum = 0.0, all = 0.0;
-  int count = 0;
-  for (Eigen::Index f = 0; f < values.size(); ++f) {
-    all += values[f] * values[f];
-    if (!wanted[static_cast<std::size_t>(f)]) continue;
-    sum += values[f] * values[f];
-    ++count;
-  }
-  if (count > 0) return std::sqrt(sum / count);
-  return std::sqrt(all / static_cast<double>(std::max<Eigen::Index>(values.size(), 1)));
 }
 
 double max_where(const Eigen::VectorXd& values, const std::vector<bool>& wanted) {
@@ -167,89 +136,17 @@ std::vector<int> loaded_bodies(const ExternalLoads& loads, const Eigen::VectorXd
   return {bodies.begin(), bodies.end()};
 }
 
-// Frames in which a load is looked at, all of them or those of one contact.
-struct Looked {
-  std::vector<bool> frames;
-  std::string times;
-};
-
-// The known frames, and those of each contact of the load that is known for long enough to tell.
-std::vector<Looked> looks_at(const Pushing& pushing, const Eigen::VectorXd& time,
-                             const std::vector<bool>& known) {
-  constexpr double kLongEnough = 0.3;  // [s] half of a stance
-  std::vector<Looked> looks{{known, ""}};
-  if (pushing.body < 0) return looks;
-  const auto n = static_cast<Eigen::Index>(known.size());
-  for (Eigen::Index f = 0; f < n; ++f) {
-    Looked contact{std::vector<bool>(known.size()), ""};
-    const Eigen::Index first = f;
-    while (f < n && known[static_cast<std::size_t>(f)] &&
-           pushing.forces.row(f).norm() > kContactForce) {
-      contact.frames[static_cast<std::size_t>(f++)] = true;
-    }
-    if (f == first || time[f - 1] - time[first] < kLongEnough) continue;
-    contact.times = fmt::format("from {:.2f} s to {:.2f} s", time[first], time[f - 1]);
-    looks.push_back(std::move(contact));
-  }
-  if (looks.size() == 2) looks.pop_back();  // the only one
-  return looks;
-}
-
-// What the body's movement needs of the load is that load and what is left at the root.
-PushEvidence push_along(const RootColumns::Shift& shift, const RowMatrix& forces,
-                        const TimeTable& table, const Looked& looked) {
-  PushEvidence push;
-  push.times = looked.times;
-  push.axis = axis_name(shift);
-  const Eigen::VectorXd load = forces * shift.axis, need = load + table.values.col(shift.column);
-  double dot = 0.0;
-  for (Eigen::Index f = 0; f < load.size(); ++f) {
-    if (looked.frames[static_cast<std::size_t>(f)]) dot += load[f] * need[f];
-  }
-  const auto n = static_cast<double>(std::count(looked.frames.begin(), looked.frames.end(), true));
-  push.load_rms = rms_where(load, looked.frames);
-  push.need_rms = rms_where(need, looked.frames);
-  push.cosine = dot / (n * push.load_rms * push.need_rms);
-  push.acts_rms = rms_where(forces.rowwise().norm(), looked.frames);
-  return push;
-}
-
-TurnEvidence turn_of(const RootColumns& root, const RowMatrix& forces, const TimeTable& table,
-                     const Looked& looked) {
-  TurnEvidence turn;
-  turn.times = looked.times;
-  const RootColumns::Shift &first = root.level[0], &second = root.level[1];
-  const Eigen::VectorXd x = forces * first.axis, z = forces * second.axis,
-                        left_x = table.values.col(first.column),
-                        left_z = table.values.col(second.column);
-  turn.load_rms = std::hypot(rms_where(x, looked.frames), rms_where(z, looked.frames));
-  const double now = std::hypot(rms_where(left_x, looked.frames), rms_where(left_z, looked.frames));
-  const std::string a = axis_name(first), b = axis_name(second);
-  for (const double s : {1.0, -1.0}) {
-    for (const double t : {1.0, -1.0}) {
-      // The load would be (s z, t x): what is left gets the difference.
-      const double then = std::hypot(rms_where(left_x + x - s * z, looked.frames),
-                                     rms_where(left_z + z - t * x, looked.frames));
-      if (then / now >= turn.left) continue;
-      turn.left = then / now;
-      turn.axes =
-          fmt::format("{} is {}{}, {} is {}{}", a, s < 0.0 ? "-" : "", b, b, t < 0.0 ? "-" : "", a);
-    }
-  }
-  return turn;
-}
-
 // Sums of the loads, and the mass that they carry in the known frames, in which `hangs` is what is
 // left at the root, upwards.
 void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
                const ExternalLoads& loads, const std::vector<bool>& known, const RootColumns& root,
                const Eigen::VectorXd& hangs, DynamicsEvidence& e) {
-  std::vector<Pushing> pushing;
+  std::vector<BodyForces> pushing;
   const bool in_ground = sum_loads(loads, forces.time, pushing);
   const RowMatrix& sums = pushing[0].forces;
   e.peak_load = sums.rowwise().norm().maxCoeff();
   if (!in_ground) return;
-  for (const Pushing& of : pushing) {
+  for (const BodyForces& of : pushing) {
     if (of.body < 0) continue;
     e.pulls.push_back(
         {model.bodies[static_cast<std::size_t>(of.body)].name, (of.forces * up_of(model)).mean()});
@@ -262,21 +159,7 @@ void add_loads(const MusculoskeletalModel& model, const TimeTable& forces,
   const double given = mean_where(vertical, known), left = mean_where(hangs, known);
   if (given > 0.0) e.carried_mass = model.total_mass() * given / (given + left);
   if (e.known == 0) return;
-  for (const Pushing& of : pushing) {
-    const std::string body =
-        of.body < 0 ? std::string() : model.bodies[static_cast<std::size_t>(of.body)].name;
-    for (const Looked& looked : looks_at(of, forces.time, known)) {
-      // One body's is the sum.
-      if (of.body >= 0 && pushing.size() == 2 && looked.times.empty()) continue;
-      for (const RootColumns::Shift& shift : root.level) {
-        e.pushes.push_back(push_along(shift, of.forces, forces, looked));
-        e.pushes.back().body = body;
-      }
-      if (root.level.size() != 2) continue;
-      e.turns.push_back(turn_of(root, of.forces, forces, looked));
-      e.turns.back().body = body;
-    }
-  }
+  add_pushes(model, pushing, root.level, forces, known, e);
 }
 
 void add_feet(const MusculoskeletalModel& model, const CoverageOfFrames& of,

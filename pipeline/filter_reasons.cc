@@ -58,10 +58,11 @@ std::vector<VerdictReason> angle_filter_reasons(const MusculoskeletalModel& mode
   return reasons;
 }
 
-std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& markers, double cutoff) {
+std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& markers,
+                                                 const MarkerTrajectories& filtered,
+                                                 double cutoff) {
   if (cutoff < 0.0 || cutoff >= kMovement) return {};
-  MarkerTrajectories filtered = markers, whole = markers;
-  lowpass(filtered, cutoff);
+  MarkerTrajectories whole = markers;
   if (kMovement < 0.5 * markers.rate) lowpass(whole, kMovement);
   double rms = 0.0;
   int most = -1;

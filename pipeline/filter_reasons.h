@@ -19,8 +19,9 @@ std::vector<VerdictReason> angle_filter_reasons(const MusculoskeletalModel& mode
 
 /// `marker-filter`: the marker that a cutoff below 6 Hz moves most, against the same low-passed at
 /// 6 Hz, by the RMS over the frames [m]. Above kFilteredMarker a remark and above
-/// kWorstFilteredMarker not usable. `markers`: before any filter, without gaps that are to be
-/// filled. O(frames · markers).
-std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& markers, double cutoff);
+/// kWorstFilteredMarker not usable. `filtered`: what the cutoff made of `markers`, whose shape it
+/// has. O(frames · markers).
+std::vector<VerdictReason> marker_filter_reasons(const MarkerTrajectories& markers,
+                                                 const MarkerTrajectories& filtered, double cutoff);
 
 }  // namespace sinew

@@ -131,11 +131,8 @@ struct IdCommand {
                                load_placements(description, motion.time.segment(first, count),
                                                motion.q.middleRows(first, count), job.loads),
                                evidence.dynamics->supporting);
-    const std::vector<VerdictReason> filtered =
-        angle_filter_reasons(description, motion, job.options.cutoff);
-    for (const std::vector<VerdictReason>& more : {filtered, motion_reasons(description, motion)}) {
-      evidence.found.insert(evidence.found.end(), more.begin(), more.end());
-    }
+    append(evidence.found, angle_filter_reasons(description, motion, job.options.cutoff));
+    append(evidence.found, motion_reasons(description, motion));
     return evidence;
   }
 };

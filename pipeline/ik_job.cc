@@ -110,7 +110,7 @@ IkJob prepare_ik(const IkInputs& inputs) {
   job.options.cold_start.starts = inputs.starts;
   job.options.minimizer.record_iterations = inputs.record_iterations;
   job.options.threads = inputs.threads;
-  job.find_exchanges = inputs.find_exchanges;
+  job.check_recording = inputs.check_recording;
   job.recorded_names = inputs.recorded_names;
   job.reach = static_cast<int>(std::ceil(inputs.reach * job.recording.markers.rate));
   return job;
@@ -229,9 +229,9 @@ int frames_beside(const IkJob& job, int at, int step, int most) {
     return true;
   };
   int count = 0;
-  while (count < most) {
-    const int frame = at + step * (count + 1);
-    if (frame < 0 || frame >= markers.frame_count() || !complete(frame)) break;
+  for (int frame = at + step; count < most && frame >= 0 && frame < markers.frame_count();
+       frame += step) {
+    if (!complete(frame)) break;
     ++count;
   }
   return count;

@@ -41,8 +41,8 @@ struct IkInputs {
   double tolerance = MinimizerOptions{}.gradient_tolerance;
   int starts = ColdStartOptions{}.starts;
   WireOptions wires;
-  bool name_unmatched = true;            // as BindingOptions'
-  bool find_exchanges = true;            // of markers' names; false where others looked before
+  bool name_unmatched = true;   // as BindingOptions'
+  bool check_recording = true;  // for exchanged names and frozen frames; false where others did
   std::filesystem::path filled_file;     // which samples were filled in; may be empty
   double filled_weight = kFilledWeight;  // of these, where nothing tells how well
   bool leave_out_spikes = true;          // of markers (data/marker_spikes.h)
@@ -60,7 +60,7 @@ struct IkJob {
   MarkerFile recording;
   TrackingProblem tracking;
   TrackingOptions options;
-  bool find_exchanges = true;                         // IkInputs'
+  bool check_recording = true;                        // IkInputs'
   int reach = 0;                                      // IkInputs' in frames
   std::map<std::string, std::string> recorded_names;  // IkInputs'
   std::vector<Warning> warnings;                      // of reading and binding

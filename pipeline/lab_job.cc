@@ -28,6 +28,7 @@
 #include "pipeline/lab_recording.h"
 #include "pipeline/preflight_files.h"
 #include "pipeline/setup_files.h"
+#include "pipeline/verdict_reasons.h"
 
 namespace sinew {
 namespace {
@@ -82,7 +83,7 @@ class Preparation {
     attach(markers);
     const MarkerTrajectories unfiltered = markers;
     job_.marker_cutoff = filter_lab_markers(markers, walk.file.path, log_, warnings_);
-    note(marker_filter_reasons(unfiltered, job_.marker_cutoff));
+    note(marker_filter_reasons(unfiltered, markers, job_.marker_cutoff));
     write_trc(folder_ / kMarkers, markers);
     settle_motion(markers);
     assign_loads(walk, markers);
@@ -284,9 +285,7 @@ class Preparation {
     note(mass_unit_reasons(*entered_mass_, evidence));
   }
 
-  void note(const std::vector<VerdictReason>& reasons) {
-    job_.reasons.insert(job_.reasons.end(), reasons.begin(), reasons.end());
-  }
+  void note(const std::vector<VerdictReason>& reasons) { append(job_.reasons, reasons); }
 
   // Paths are relative, so that the folder can be moved; those of the user's own files are not.
   void write_setups() const {

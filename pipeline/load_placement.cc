@@ -122,15 +122,16 @@ std::vector<LoadPlacement> load_placements(const MusculoskeletalModel& model,
       const double force = sample.force.norm();
       if (!(force > 0.0)) continue;
       const Vector3d p = ws.X_WB[static_cast<std::size_t>(sample.point_frame)] * sample.point;
-      const double far = force * (distance_to(ws, load.own, p) - kBeside);
+      const double distance = distance_to(ws, load.own, p);
+      const double far = force * (distance - kBeside);
       if (far > load.placement.far_moment) {
         load.placement.far_moment = far;
         load.placement.far_time = time[f];
       }
       if (!(force > least)) continue;
-      load.distances.push_back(distance_to(ws, load.own, p));
+      load.distances.push_back(distance);
       load.to_other.push_back(distance_to(ws, load.others, p));
-      load.nearer += load.to_other.back() + kNearer < load.distances.back();
+      load.nearer += load.to_other.back() + kNearer < distance;
       for (int axis = 0; axis < 3; ++axis) {
         if (axis == vertical) continue;
         Vector3d mirror = p;
@@ -169,19 +170,17 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
   for (const LoadPlacement& p : placements) {
     if (p.frames == 0) continue;
     if (std::vector<std::string> skipped = skipped_by(model, p.body); !skipped.empty()) {
-      VerdictReason r;
-      r.code = "loads-not-on-foot";
-      r.text = fmt::format("a force of the ground acts on {}, which is no foot", name(p.body));
-      r.source = "Sinew";
-      r.remedy = "apply it to the foot (calcn), or the joints below carry nothing";
-      r.torques = std::move(skipped);
-      reasons.push_back(std::move(r));
+      reasons.push_back(own_reason(
+          "loads-not-on-foot",
+          fmt::format("a force of the ground acts on {}, which is no foot", name(p.body)),
+          "apply it to the foot (calcn), or the joints below carry nothing"));
+      reasons.back().torques = std::move(skipped);
     }
     const bool mirrored =
         p.mirrored < kBeside && p.mirrored + kNearer < p.distance && !(p.to_other < p.mirrored);
     if (mirrored) {
       auto* r = judge_figure(reasons, {p.distance, p.mirrored, p.mirrored}, 1e3, "mm",
-                             "loads-mirrored", "Sinew");
+                             "loads-mirrored", limits::kOwn);
       const char axis = static_cast<char>('x' + p.mirror_axis);
       r->text = fmt::format("the force on {} acts away from it, but at it if {} is turned",
                             name(p.body), axis);
@@ -190,7 +189,7 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
       continue;
     }
     if (auto* r = judge_figure(reasons, {p.nearer_other, kMostNearer, kMostNearer}, 100.0,
-                               "% of its frames", "loads-of-other-foot", "Sinew")) {
+                               "% of its frames", "loads-of-other-foot", limits::kOwn)) {
       r->text = fmt::format(
           "the force on {} acts at {} in a part of its frames; in the middle of all it is {:.2f} m "
           "from the one and {:.2f} m from the other",
@@ -202,7 +201,7 @@ std::vector<VerdictReason> load_placement_reasons(const MusculoskeletalModel& mo
       continue;
     }
     if (auto* r = judge_figure(reasons, {p.distance, kBeside, kFarBeside}, 1e3, "mm",
-                               "loads-beside-foot", "Sinew")) {
+                               "loads-beside-foot", limits::kOwn)) {
       r->text = fmt::format("the force on {} acts away from it", name(p.body));
       r->remedy =
           "look at axes, origin and unit of the centres of pressure: `sinew check LOADS.mot "

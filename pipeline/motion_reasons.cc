@@ -7,18 +7,15 @@
 #include <numbers>
 
 #include "model/limb_paths.h"
-#include "model/model_check.h"
-#include "pipeline/verdict_limits.h"
 #include "pipeline/verdict_reasons.h"
 
 namespace sinew {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kTurns = 1e-4;             // [rad] less is a joint that nobody measured
-constexpr double kTravels = 0.3;            // [m] a step and more
-constexpr double kBeyond = 20.0 * kDegree;  // as what decides the unit of a file without one
-constexpr double kShiftedBeyond = 0.05;     // [m]
+constexpr double kTurns = 1e-4;          // [rad] less is a joint that nobody measured
+constexpr double kTravels = 0.3;         // [m] a step and more
+constexpr double kShiftedBeyond = 0.05;  // [m]
 constexpr double kMostFrames = 0.5;
 
 bool turns(const Coordinate& c) { return c.motion == Coordinate::Motion::kRotational; }
@@ -49,7 +46,7 @@ std::vector<VerdictReason> motion_reasons(const MusculoskeletalModel& model,
     }
     // Nobody keeps the range of a heading or of a place.
     if (root || coordinate.motion == Coordinate::Motion::kCoupled) continue;
-    const double margin = turns(coordinate) ? kBeyond : kShiftedBeyond;
+    const double margin = turns(coordinate) ? kRangeMargin : kShiftedBeyond;
     const auto out =
         ((q.array() < coordinate.range_min - margin) || (q.array() > coordinate.range_max + margin))
             .count();
@@ -58,30 +55,27 @@ std::vector<VerdictReason> motion_reasons(const MusculoskeletalModel& model,
     }
   }
   std::vector<VerdictReason> reasons;
-  const double least = 2.0 * std::numbers::pi * kDegree;
+  const double least = kLargestRadians * kDegree;
   if (angles > 3 && travel > kTravels && largest < least) {
-    VerdictReason& r = reasons.emplace_back();
-    r.code = "angles-unit";
+    VerdictReason& r = reasons.emplace_back(own_reason(
+        "angles-unit",
+        fmt::format("the body travels by {:.1f} m and no angle is larger than this", travel),
+        "the file's angles seem to be radians: write inDegrees=no into its header"));
     r.weight = VerdictReason::Weight::kUnusable;
     r.figure = largest / kDegree;
     r.limit = least / kDegree;
     r.unit = "degrees";
-    r.text = fmt::format("the body travels by {:.1f} m and no angle is larger than this", travel);
-    r.source = limits::kOwn;
-    r.remedy = "the file's angles seem to be radians: write inDegrees=no into its header";
     for (const Coordinate& c : model.coordinates) r.torques.push_back(c.name);
   }
   if (!beyond.empty()) {
-    VerdictReason& r = reasons.emplace_back();
-    r.code = "beyond-range";
-    r.weight =
-        beyond.size() > 1 ? VerdictReason::Weight::kUnusable : VerdictReason::Weight::kRemark;
+    VerdictReason& r = reasons.emplace_back(own_reason(
+        "beyond-range",
+        fmt::format("far beyond what the model allows in most frames: {}", some_names(beyond)),
+        "was the motion made with this model? Signs, zeros and units of its angles are another's "
+        "otherwise"));
+    if (beyond.size() > 1) r.weight = VerdictReason::Weight::kUnusable;
     r.figure = static_cast<double>(beyond.size());
     r.limit = 0.0;
-    r.text = fmt::format("far beyond what the model allows in most frames: {}", some_names(beyond));
-    r.source = limits::kOwn;
-    r.remedy = "was the motion made with this model? Signs, zeros and units of its angles are";
-    r.remedy += " another's otherwise";
     r.torques = std::move(beyond);
   }
   return reasons;

@@ -23,6 +23,7 @@
 #include "pipeline/trace.h"
 #include "pipeline/undetermined.h"
 #include "pipeline/verdict_evidence.h"
+#include "pipeline/verdict_reasons.h"
 #include "pipeline/verdict_report.h"
 #include "pipeline/version.h"
 #include "pipeline/wire_report.h"
@@ -112,7 +113,7 @@ struct RunCommand {
     }
     if (ik.model.empty() && ik.markers.empty()) use_example();
     IkInputs inputs = ik.inputs();
-    inputs.name_unmatched = inputs.find_exchanges = !lab_job;  // or else it was done before
+    inputs.name_unmatched = inputs.check_recording = !lab_job;  // or else it was done before
     inputs.recorded_names = recorded_names(log);
     inputs.reach = filter_reach(dynamics.cutoff.value_or(kDefaultCutoff));
     if (lab_job) inputs.reach = std::max(inputs.reach, filter_reach(lab_job->marker_cutoff));
@@ -207,7 +208,7 @@ struct RunCommand {
     evidence.angles = evidence.torques = true;
     evidence.model = model_evidence(job.model);
     if (lab_job) evidence.found = lab_job->reasons;
-    evidence.found.insert(evidence.found.end(), findings.begin(), findings.end());
+    append(evidence.found, findings);
     // The static trial is the first of two that the model was fitted to.
     const bool standing = lab_job && lab_job->fit && lab_job->fit->trials.size() > 1;
     const double static_rms = standing ? lab_job->fit->trials.front().rms : kNaN;
@@ -219,14 +220,11 @@ struct RunCommand {
                   lab_job->standing_mass.value_or(kNaN)};
     }
     evidence.dynamics = dynamics_evidence(job.model, forces, id_job.loads, coverage);
-    const std::vector<VerdictReason> placed = load_placement_reasons(
-        job.model, load_placements(job.model, solved.time, solved.coordinates, id_job.loads),
-        evidence.dynamics->supporting);
-    const std::vector<VerdictReason> filtered =
-        angle_filter_reasons(job.model, motion, id_job.options.cutoff);
-    for (const std::vector<VerdictReason>& more : {placed, filtered}) {
-      evidence.found.insert(evidence.found.end(), more.begin(), more.end());
-    }
+    append(evidence.found,
+           load_placement_reasons(
+               job.model, load_placements(job.model, solved.time, solved.coordinates, id_job.loads),
+               evidence.dynamics->supporting));
+    append(evidence.found, angle_filter_reasons(job.model, motion, id_job.options.cutoff));
     return evidence;
   }
 

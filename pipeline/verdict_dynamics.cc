@@ -19,21 +19,28 @@ constexpr double kGravity = 9.80665;  // standard [m/s²]
 constexpr const char* kCheckLoads =
     "look at unit, axes, sign and feet of the loads: `sinew check LOADS.mot RECORDING`";
 
-VerdictReason own(const char* code, std::string text, std::string remedy) {
-  VerdictReason r;
-  r.code = code;
-  r.text = std::move(text);
-  r.source = kOwn;
-  r.remedy = std::move(remedy);
-  return r;
+// What makes the torques of whatever carries the body wrong, in the figure's unit.
+struct Spoilt {
+  double figure, limit;
+  const char* unit;
+};
+
+void spoil(const DynamicsEvidence& d, const char* code, const Spoilt& by, std::string text,
+           std::string remedy, std::vector<VerdictReason>& reasons) {
+  VerdictReason& r = reasons.emplace_back(own_reason(code, std::move(text), std::move(remedy)));
+  r.weight = Weight::kUnusable;
+  r.figure = by.figure;
+  r.limit = by.limit;
+  r.unit = by.unit;
+  r.torques = d.supporting;
 }
 
 // Whether, and where, what carries the body is known.
 void judge_coverage(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
   if (!d.loads_given) {
     VerdictReason r =
-        own("no-loads", "no ground forces: torques of what carries the body lack them",
-            "give them: --loads, or --c3d with force platforms");
+        own_reason("no-loads", "no ground forces: torques of what carries the body lack them",
+                   "give them: --loads, or --c3d with force platforms");
     r.torques = d.supporting;
     reasons.push_back(r);
     return;
@@ -74,24 +81,14 @@ void judge_direction(const DynamicsEvidence& d, std::vector<VerdictReason>& reas
   const auto down = [&](const PullEvidence& pull) { return pull.mean < least; };
   const bool all = std::all_of(d.pulls.begin(), d.pulls.end(), down);
   if (d.mean_vertical_load < least && all) {
-    VerdictReason r = own("loads-pull-down", "the loads pull the body down", kCheckLoads);
-    r.weight = Weight::kUnusable;
-    r.figure = d.mean_vertical_load;
-    r.limit = 0.0;
-    r.unit = "N";
-    r.torques = d.supporting;
-    reasons.push_back(r);
+    spoil(d, "loads-pull-down", {d.mean_vertical_load, 0.0, "N"}, "the loads pull the body down",
+          kCheckLoads, reasons);
   }
   for (const PullEvidence& pull : d.pulls) {
     if (all || !down(pull)) continue;
-    VerdictReason r = own("loads-pull-down", fmt::format("the force on {} pulls down", pull.body),
-                          "turn the sign of its forces in the file of the loads");
-    r.weight = Weight::kUnusable;
-    r.figure = pull.mean;
-    r.limit = 0.0;
-    r.unit = "N";
-    r.torques = d.supporting;
-    reasons.push_back(r);
+    spoil(d, "loads-pull-down", {pull.mean, 0.0, "N"},
+          fmt::format("the force on {} pulls down", pull.body),
+          "turn the sign of its forces in the file of the loads", reasons);
   }
   // Nobody stands on what pushes sideways more than up.
   if (auto* r = judge_figure(reasons, {d.horizontal_load_rms, d.vertical_load_rms, NAN}, 1.0, "N",
@@ -149,17 +146,10 @@ void judge_lack_of_push(const DynamicsEvidence& d, std::vector<VerdictReason>& r
     if (most == nullptr || p.need_rms > most->need_rms) most = &p;
   }
   if (most == nullptr) return;
-  VerdictReason r = own(
-      "loads-no-push",
-      fmt::format("{} hardly along {}, while the body's mass accelerates (RMS; needed: {:.1f} N)",
-                  pushing(most->body, most->times), most->axis, most->need_rms),
-      "is a channel of the platform dead, or does it measure upwards only?");
-  r.weight = Weight::kUnusable;
-  r.figure = most->load_rms;
-  r.limit = kDeadPush * most->need_rms;
-  r.unit = "N";
-  r.torques = d.supporting;
-  reasons.push_back(std::move(r));
+  spoil(d, "loads-no-push", {most->load_rms, kDeadPush * most->need_rms, "N"},
+        fmt::format("{} hardly along {}, while the body's mass accelerates (RMS; needed: {:.1f} N)",
+                    pushing(most->body, most->times), most->axis, most->need_rms),
+        "is a channel of the platform dead, or does it measure upwards only?", reasons);
 }
 
 // Exchanged axes and rotated platforms.
@@ -172,18 +162,11 @@ void judge_turns(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons)
   }
   const TurnEvidence* t = whole != nullptr ? whole : contact;
   if (t == nullptr) return;
-  VerdictReason r =
-      own("loads-turned",
-          fmt::format("{} along other axes than the body's mass accelerates: with {} a part of the "
-                      "horizontal force at the pelvis would be left",
-                      pushing(t->body, t->times), t->axes),
-          fmt::format("turn them: {}", kTurnWhere));
-  r.weight = Weight::kUnusable;
-  r.figure = 100.0 * t->left;
-  r.limit = 100.0 * kTurnLeaves;
-  r.unit = "% of it";
-  r.torques = d.supporting;
-  reasons.push_back(std::move(r));
+  spoil(d, "loads-turned", {100.0 * t->left, 100.0 * kTurnLeaves, "% of it"},
+        fmt::format("{} along other axes than the body's mass accelerates: with {} a part of the "
+                    "horizontal force at the pelvis would be left",
+                    pushing(t->body, t->times), t->axes),
+        fmt::format("turn them: {}", kTurnWhere), reasons);
 }
 
 void judge_mass(const DynamicsEvidence& d, std::vector<VerdictReason>& reasons) {
@@ -242,8 +225,8 @@ std::vector<VerdictReason> judge_dynamics(const DynamicsEvidence& dynamics) {
   }
   if (!dynamics.not_given.empty()) {
     VerdictReason r =
-        own("not-in-motion", "no angles are given for " + some_names(dynamics.not_given),
-            "they stay at the model's defaults; give a motion that has them");
+        own_reason("not-in-motion", "no angles are given for " + some_names(dynamics.not_given),
+                   "they stay at the model's defaults; give a motion that has them");
     r.torques = dynamics.not_given;
     reasons.push_back(r);
   }

@@ -200,7 +200,7 @@ KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& r
 std::vector<VerdictReason> lock_reasons(const MusculoskeletalModel& model) {
   if (!stands_for_a_person(model)) return {};
   const auto locked = [&](int c) { return model.coordinates[static_cast<std::size_t>(c)].locked; };
-  VerdictReason r;
+  std::vector<std::string> names;
   for (std::size_t b = 1; b < model.bodies.size(); ++b) {
     const Joint& joint = model.joints[b - 1];
     const int other = partner_body(model, static_cast<int>(b));
@@ -212,33 +212,30 @@ std::vector<VerdictReason> lock_reasons(const MusculoskeletalModel& model) {
       const bool root = joint.parent == 0 &&
                         !std::all_of(joint.coordinates.begin(), joint.coordinates.end(), locked);
       if (!one_side && !root) continue;
-      r.angles.push_back(model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].name);
+      names.push_back(model.coordinates[static_cast<std::size_t>(joint.coordinates[i])].name);
     }
   }
-  if (r.angles.empty()) return {};
-  r.code = "locked";
-  r.torques = r.angles;
-  r.text = fmt::format("the model locks {}, but not what moves with it or on the other side",
-                       some_names(r.angles));
-  r.source = limits::kOwn;
-  r.remedy = "unlock in the model what the person can move";
+  if (names.empty()) return {};
+  VerdictReason r =
+      own_reason("locked",
+                 fmt::format("the model locks {}, but not what moves with it or on the other side",
+                             some_names(names)),
+                 "unlock in the model what the person can move");
+  r.angles = r.torques = std::move(names);
   return {r};
 }
 
 std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingResult& result) {
   std::vector<VerdictReason> found = coverage_reasons(job, result);
-  if (job.find_exchanges && stands_for_a_person(job.model)) {
+  if (job.check_recording && stands_for_a_person(job.model)) {
     const MarkerTrajectories solved =
         slice(job.recording.markers, job.options.first_frame, job.options.end_frame);
-    for (const std::vector<VerdictReason>& more :
-         {exchange_reasons(job.recording), frame_reasons(solved)}) {
-      found.insert(found.end(), more.begin(), more.end());
-    }
+    append(found, exchange_reasons(job.recording));
+    append(found, frame_reasons(solved));
   }
-  for (const std::vector<VerdictReason>& more :
-       {angle_jumps(job.model, result), job.reasons, lock_reasons(job.model)}) {
-    found.insert(found.end(), more.begin(), more.end());
-  }
+  append(found, angle_jumps(job.model, result));
+  append(found, job.reasons);
+  append(found, lock_reasons(job.model));
   return found;
 }
 

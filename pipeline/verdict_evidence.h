@@ -25,8 +25,9 @@ KinematicsEvidence kinematics_evidence(const IkJob& job, const TrackingResult& r
 /// others are free; models of both hands' wrists or feet locked are what their authors meant.
 std::vector<VerdictReason> lock_reasons(const MusculoskeletalModel& model);
 
-/// What others find in a solved trial: angles that no marker determines, steps, gaps, and markers
-/// that bear each other's names, unless that was looked for before. Time: one eigenvalue
+/// What others find in a solved trial: angles that no marker determines, steps, gaps, locks, and in
+/// a recording that nobody has looked at before markers that bear each other's names, frames that
+/// stand still and holes in time. Time: one eigenvalue
 /// decomposition, and O(frames · markers).
 std::vector<VerdictReason> tracking_findings(const IkJob& job, const TrackingResult& result);
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "pipeline/verdict_limits.h"
 
 namespace sinew {
 
@@ -23,6 +26,19 @@ VerdictReason* judge_figure(std::vector<VerdictReason>& reasons, const Judged& j
   reason.source = source;
   reasons.push_back(reason);
   return &reasons.back();
+}
+
+VerdictReason own_reason(const char* code, std::string text, std::string remedy) {
+  VerdictReason r;
+  r.code = code;
+  r.text = std::move(text);
+  r.source = limits::kOwn;
+  r.remedy = std::move(remedy);
+  return r;
+}
+
+void append(std::vector<VerdictReason>& reasons, const std::vector<VerdictReason>& more) {
+  reasons.insert(reasons.end(), more.begin(), more.end());
 }
 
 std::string some_names(const std::vector<std::string>& names, std::size_t shown) {

@@ -22,6 +22,11 @@ VerdictReason* judge_figure(std::vector<VerdictReason>& reasons, const Judged& j
                             double per_unit, const char* unit, const char* code,
                             const char* source);
 
+/// A remark of our own (limits::kOwn), without a figure.
+VerdictReason own_reason(const char* code, std::string text, std::string remedy);
+
+void append(std::vector<VerdictReason>& reasons, const std::vector<VerdictReason>& more);
+
 /// `a, b, c and 4 more`.
 std::string some_names(const std::vector<std::string>& names, std::size_t shown = 6);
 

@@ -40,8 +40,8 @@ Json reason_json(const VerdictReason& r) {
 // `at most 20 mm` of a reason with a limit.
 std::string normal_text(const VerdictReason& r) {
   if (r.limit == 0.0 && r.figure > 0.0) return "none";
-  // Of `% of the frames` the first word is enough.
-  const std::string unit = r.unit == "N m" ? r.unit : r.unit.substr(0, r.unit.find(' '));
+  // `% of the frames`, whose first word is enough.
+  const std::string unit = r.unit.starts_with('%') ? "%" : r.unit;
   const std::string limit = fmt::format("{}{}{}", text_of(r.limit), unit.empty() ? "" : " ", unit);
   if (unit == "%" && r.limit == 100.0) return limit;
   return (r.figure < r.limit ? "at least " : "at most ") + limit;

@@ -17,10 +17,10 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Arguments = std::vector<std::string>;
 
-class LabAttach : public ::testing::Test {
+class LabAttach : public WithLabTrial {
  protected:
   static void SetUpTestSuite() {
-    trial_ = new LabTrialFiles;
+    WithLabTrial::SetUpTestSuite();
     MarkerTrajectories markers = read_trc(path() / "walk.trc").markers;
     for (std::string& name : markers.names) {
       if (name == "RTHI") name = "Band";
@@ -36,12 +36,6 @@ class LabAttach : public ::testing::Test {
     }
     write_trc(path() / "others.trc", markers);
   }
-  static void TearDownTestSuite() {
-    delete trial_;
-    trial_ = nullptr;
-  }
-
-  static const fs::path& path() { return trial_->path(); }
   static Outcome run(const std::string& out, const Arguments& more = {}) {
     Arguments all = {"run",    "--c3d", "others.trc", "--model", "model.osim", "--no-scale",
                      "--from", "0.5",   "--to",       "0.6",     "--out",      out};
@@ -61,11 +55,7 @@ class LabAttach : public ::testing::Test {
     EXPECT_GE(m, 0) << marker;
     return m < 0 ? Eigen::Vector3d::Zero() : model.markers[static_cast<std::size_t>(m)].p_BM;
   }
-
-  static LabTrialFiles* trial_;
 };
-
-LabTrialFiles* LabAttach::trial_ = nullptr;
 
 TEST_F(LabAttach, MarkersOfForeignNamesAreTrackedWhereTheyStay) {
   const Outcome outcome = run("a");

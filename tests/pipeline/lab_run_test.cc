@@ -18,16 +18,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Arguments = std::vector<std::string>;
 
-class LabRun : public ::testing::Test {
+class LabRun : public WithLabTrial {
  protected:
-  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
-  static void TearDownTestSuite() {
-    delete trial_;
-    trial_ = nullptr;
-  }
-
-  const fs::path& path() const { return trial_->path(); }
-
   Outcome run(Arguments arguments) const {
     arguments.insert(arguments.begin(), "run");
     return run_sinew(path(), arguments);
@@ -47,11 +39,7 @@ class LabRun : public ::testing::Test {
     }
     return nullptr;
   }
-
-  static LabTrialFiles* trial_;
 };
-
-LabTrialFiles* LabRun::trial_ = nullptr;
 
 // Measured in three frames from the sixtieth on, and in no other.
 void hide_but_three(MarkerTrajectories& markers, int marker) {

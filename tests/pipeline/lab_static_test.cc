@@ -20,15 +20,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Arguments = std::vector<std::string>;
 
-class LabStatic : public ::testing::Test {
+class LabStatic : public WithLabTrial {
  protected:
-  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
-  static void TearDownTestSuite() {
-    delete trial_;
-    trial_ = nullptr;
-  }
-  const fs::path& path() const { return trial_->path(); }
-
   // The walk in a generic body of 1.65 m, from 0.5 s to 0.8 s.
   Outcome run(const std::string& walk, const std::string& standing, const std::string& out,
               const Arguments& more = {}) const {
@@ -69,11 +62,7 @@ class LabStatic : public ::testing::Test {
     }
     return codes;
   }
-
-  static LabTrialFiles* trial_;
 };
-
-LabTrialFiles* LabStatic::trial_ = nullptr;
 
 bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;

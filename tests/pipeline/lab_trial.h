@@ -28,4 +28,17 @@ class LabTrialFiles {
   TemporaryFolder folder_;
 };
 
+/// Tests that share one of these, and may write files beside its own.
+class WithLabTrial : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
+  static void TearDownTestSuite() {
+    delete trial_;
+    trial_ = nullptr;
+  }
+  static const std::filesystem::path& path() { return trial_->path(); }
+
+  inline static LabTrialFiles* trial_ = nullptr;
+};
+
 }  // namespace sinew

@@ -13,21 +13,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-class LoadPlacementOfWalk : public ::testing::Test {
+class LoadPlacementOfWalk : public WithLabTrial {
  protected:
-  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
-  static void TearDownTestSuite() {
-    delete trial_;
-    trial_ = nullptr;
-  }
-
   // The verdict on the true angles with a file of loads.
   static Json judged(const std::string& loads, int exit_code) {
     const Outcome outcome =
-        run_sinew(trial_->path(), {"id", "--model", "model.osim", "--coordinates", "truth_ik.mot",
-                                   "--cutoff", "-1", "--loads", loads, "--out", "id.sto"});
+        run_sinew(path(), {"id", "--model", "model.osim", "--coordinates", "truth_ik.mot",
+                           "--cutoff", "-1", "--loads", loads, "--out", "id.sto"});
     EXPECT_EQ(outcome.exit_code, exit_code) << loads << outcome.out << outcome.err;
-    return Json::parse(content_of(trial_->path() / "id_verdict.json"));
+    return Json::parse(content_of(path() / "id_verdict.json"));
   }
   static Json reason(const Json& verdict, const std::string& code) {
     for (const Json& r : verdict["reasons"]) {
@@ -38,22 +32,23 @@ class LoadPlacementOfWalk : public ::testing::Test {
 
   // The loads with a coordinate of all points times a factor and moved [m].
   static void move_points(const std::string& coordinate, double factor, double distance) {
-    TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+    TimeTable loads = read_storage(path() / "grf.mot").table;
     for (std::size_t c = 0; c < loads.labels.size(); ++c) {
       if (!loads.labels[c].ends_with("_p" + coordinate)) continue;
       auto column = loads.values.col(static_cast<Eigen::Index>(c));
       column = factor * column.array() + distance;
     }
-    write_storage(trial_->path() / "moved.mot", loads);
-    std::string setup = content_of(trial_->path() / "grf.xml");
+    write_loads(loads);
+  }
+
+  // moved.mot and a setup for it, moved.xml.
+  static void write_loads(const TimeTable& loads) {
+    write_storage(path() / "moved.mot", loads);
+    std::string setup = content_of(path() / "grf.xml");
     setup.replace(setup.find("grf.mot"), 7, "moved.mot");
     trial_->write("moved.xml", setup);
   }
-
-  static LabTrialFiles* trial_;
 };
-
-LabTrialFiles* LoadPlacementOfWalk::trial_ = nullptr;
 
 TEST_F(LoadPlacementOfWalk, IsRightAsRecorded) {
   const Json verdict = judged("grf.xml", 0);
@@ -77,7 +72,7 @@ TEST_F(LoadPlacementOfWalk, TellsMirroredPoints) {
 
 // Every figure of the sums is as good as before: only places tell.
 TEST_F(LoadPlacementOfWalk, TellsExchangedFeet) {
-  std::string setup = content_of(trial_->path() / "grf.xml");
+  std::string setup = content_of(path() / "grf.xml");
   for (std::size_t at = 0; (at = setup.find("calcn_", at)) != setup.npos; at += 7) {
     setup[at + 6] = setup[at + 6] == 'r' ? 'l' : 'r';
   }
@@ -102,7 +97,7 @@ TEST_F(LoadPlacementOfWalk, TellsHowFarBesideTheFootForcesAct) {
 
 // Centres of pressure as laboratories export them where hardly anything acts.
 TEST_F(LoadPlacementOfWalk, TellsPointsThatAreFarOffWhereForcesAreSmall) {
-  TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+  TimeTable loads = read_storage(path() / "grf.mot").table;
   const int force = loads.find_column("ground_force_r_vy"),
             point = loads.find_column("ground_force_r_px");
   ASSERT_TRUE(force >= 0 && point >= 0);
@@ -116,10 +111,7 @@ TEST_F(LoadPlacementOfWalk, TellsPointsThatAreFarOffWhereForcesAreSmall) {
     farthest = std::max(farthest, loads.values(f, force) * 20.0);
   }
   ASSERT_GT(farthest, 100.0);
-  write_storage(trial_->path() / "moved.mot", loads);
-  std::string setup = content_of(trial_->path() / "grf.xml");
-  setup.replace(setup.find("grf.mot"), 7, "moved.mot");
-  trial_->write("moved.xml", setup);
+  write_loads(loads);
   const Json found = reason(judged("moved.xml", 1), "loads-far-point");
   ASSERT_FALSE(found.is_null());
   // The foot is no farther than its length, and its force is not the upward part alone.
@@ -128,15 +120,12 @@ TEST_F(LoadPlacementOfWalk, TellsPointsThatAreFarOffWhereForcesAreSmall) {
 
 // Exchanged columns leave every length as it is.
 TEST_F(LoadPlacementOfWalk, TellsExchangedAxes) {
-  TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+  TimeTable loads = read_storage(path() / "grf.mot").table;
   for (const std::string side : {"r", "l"}) {
     loads.values.col(loads.find_column("ground_force_" + side + "_vx"))
         .swap(loads.values.col(loads.find_column("ground_force_" + side + "_vz")));
   }
-  write_storage(trial_->path() / "moved.mot", loads);
-  std::string setup = content_of(trial_->path() / "grf.xml");
-  setup.replace(setup.find("grf.mot"), 7, "moved.mot");
-  trial_->write("moved.xml", setup);
+  write_loads(loads);
   const Json found = reason(judged("moved.xml", 1), "loads-turned");
   ASSERT_FALSE(found.is_null());
   EXPECT_NE(found["text"].get<std::string>().find("x is z, z is x"), std::string::npos) << found;
@@ -145,7 +134,7 @@ TEST_F(LoadPlacementOfWalk, TellsExchangedAxes) {
 TEST_F(LoadPlacementOfWalk, TellsForcesOnLegs) {
   for (const auto& [body, exit_code] :
        {std::pair{"tibia_r", 0}, std::pair{"femur_r", 0}, std::pair{"pelvis", 0}}) {
-    std::string setup = content_of(trial_->path() / "grf.xml");
+    std::string setup = content_of(path() / "grf.xml");
     setup.replace(setup.find("calcn_r"), 7, body);
     trial_->write("leg.xml", setup);
     const Json verdict = judged("leg.xml", exit_code);
@@ -156,7 +145,7 @@ TEST_F(LoadPlacementOfWalk, TellsForcesOnLegs) {
 
 // One of the steps of a foot is given to the other.
 TEST_F(LoadPlacementOfWalk, TellsASingleStepOfTheOtherFoot) {
-  TimeTable loads = read_storage(trial_->path() / "grf.mot").table;
+  TimeTable loads = read_storage(path() / "grf.mot").table;
   const auto column = [&](const char* name) { return loads.find_column(name); };
   const int right = column("ground_force_r_vx"), left = column("ground_force_l_vx");
   ASSERT_TRUE(right >= 0 && left >= 0);
@@ -166,11 +155,8 @@ TEST_F(LoadPlacementOfWalk, TellsASingleStepOfTheOtherFoot) {
     loads.values.block<1, 9>(f, right) = loads.values.block<1, 9>(f, left);
     loads.values.block<1, 9>(f, left) = step;
   }
-  write_storage(trial_->path() / "step.mot", loads);
-  std::string setup = content_of(trial_->path() / "grf.xml");
-  setup.replace(setup.find("grf.mot"), 7, "step.mot");
-  trial_->write("step.xml", setup);
-  EXPECT_FALSE(reason(judged("step.xml", 1), "loads-of-other-foot").is_null());
+  write_loads(loads);
+  EXPECT_FALSE(reason(judged("moved.xml", 1), "loads-of-other-foot").is_null());
 }
 
 }  // namespace

@@ -11,17 +11,11 @@
 namespace sinew {
 namespace {
 
-class MotionReasons : public ::testing::Test {
+class MotionReasons : public WithLabTrial {
  protected:
-  static void SetUpTestSuite() { trial_ = new LabTrialFiles; }
-  static void TearDownTestSuite() {
-    delete trial_;
-    trial_ = nullptr;
-  }
-
   MotionReasons()
-      : model_(read_osim(trial_->path() / "model.osim")),
-        motion_(coordinate_table(model_, read_storage(trial_->path() / "truth_ik.mot"))) {}
+      : model_(read_osim(path() / "model.osim")),
+        motion_(coordinate_table(model_, read_storage(path() / "truth_ik.mot"))) {}
 
   Eigen::Index column(const std::string& name) const {
     for (std::size_t c = 0; c < model_.coordinates.size(); ++c) {
@@ -30,17 +24,14 @@ class MotionReasons : public ::testing::Test {
     throw std::invalid_argument(name);
   }
 
-  static LabTrialFiles* trial_;
   MusculoskeletalModel model_;
   CoordinateTable motion_;
 };
 
-LabTrialFiles* MotionReasons::trial_ = nullptr;
-
 TEST_F(MotionReasons, AWalkHasNone) { EXPECT_TRUE(motion_reasons(model_, motion_).empty()); }
 
 TEST_F(MotionReasons, RadiansThatAHeaderCallsDegrees) {
-  TimeTableFile file = read_storage(trial_->path() / "truth_ik.mot");
+  TimeTableFile file = read_storage(path() / "truth_ik.mot");
   ASSERT_EQ(file.table.in_degrees, true);
   for (std::size_t c = 0; c < model_.coordinates.size(); ++c) {
     const int i = file.table.find_column(model_.coordinates[c].name);
